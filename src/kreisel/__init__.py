@@ -1,0 +1,62 @@
+"""Turns a trajectory into inertial sensor data, and inertial sensor data back into attitude.
+
+Frames
+    N   navigation frame: x east, y true north, z up; treated as inertial
+    B   body: x forward, y left, z up
+    S   sensor axes of an IMU mounted on the body
+
+Symbols (adjacent letters cancel: ``v_N = R_NB @ v_B``)
+    p_NB, v_NB, a_NB    (n, 3)      position, velocity, acceleration of B in N: m, m/s, m/s^2
+    R_NB                (n, 3, 3)   maps B components to N components; its columns are the body axes in N
+    omega_NB_B          (n, 3)      angular rate of B relative to N, in B axes: rad/s
+    alpha_NB_B          (n, 3)      time derivative of omega_NB_B: rad/s^2
+    p_BS, R_BS                      lever arm from the body origin to the sensor in B: m; sensor axes in B
+    gyro                (n, 3)      omega_NS_S, right-handed: rad/s
+    accel               (n, 3)      specific force R_SN (a_N - g_N): m/s^2; +g up at rest
+    mag_uT              (n, 3)      magnetic field in S: microtesla
+    phi                 (n, 3)      Euler angles (phi_x, phi_y, phi_z): R_NB = Rz(phi_z) Ry(phi_y) Rx(phi_x)
+
+Units are SI and radians; a name in another unit wears it (``heading_deg``, ``mag_uT``).
+Time is float64 seconds after ``t0_ns``, an integer epoch in nanoseconds.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from kreisel.data.environment import Environment as Environment
+    from kreisel.data.motion import Motion as Motion
+    from kreisel.data.motion import Mount as Mount
+    from kreisel.data.motion import Note as Note
+    from kreisel.data.recording import ImuRecording as ImuRecording
+    from kreisel.data.trajectory import Poses as Poses
+    from kreisel.data.trajectory import Trajectory as Trajectory
+    from kreisel.simulate.imu import Imu as Imu
+
+__version__ = "0.1.0"
+
+# Public name -> module. Loaded at first use, so that `import kreisel` costs milliseconds.
+_HOMES = {
+    "Environment": "kreisel.data.environment",
+    "Imu": "kreisel.simulate.imu",
+    "ImuRecording": "kreisel.data.recording",
+    "Motion": "kreisel.data.motion",
+    "Mount": "kreisel.data.motion",
+    "Note": "kreisel.data.motion",
+    "Poses": "kreisel.data.trajectory",
+    "Trajectory": "kreisel.data.trajectory",
+}
+
+__all__ = ["__version__", *sorted(_HOMES)]  # noqa: PLE0604
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        return getattr(import_module(_HOMES[name]), name)
+    raise AttributeError(f"module 'kreisel' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_HOMES])

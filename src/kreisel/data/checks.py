@@ -1,0 +1,135 @@
+"""Turns whatever a user passed into checked float64 arrays, or into an error that teaches.
+
+Every `ValueError` and `TypeError` of the public doors about arrays is raised here: what is wrong, what was
+received, what to do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+"""float64 array; its shape, unit and frame are in the comment beside it."""
+
+
+def read_only(x: Array) -> Array:
+    """A view of `x` that cannot be written to."""
+    view = x.view()
+    view.flags.writeable = False
+    return view
+
+
+def as_array(name: str, value: Any) -> Array:
+    """`value` as a C-contiguous float64 array, or a TypeError that names it."""
+    try:
+        array = np.ascontiguousarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise TypeError(f"{name} must be an array of numbers; got {type(value).__name__} ({error})") from None
+    return array if np.ndim(value) else array.reshape(())
+
+
+def shaped(name: str, value: Any, shape: Sequence[int | str]) -> Array:
+    """`value` as a read-only array of `shape`; letters such as "n" stand for any length.
+
+    Raises ValueError naming the shape received and, where it would fit, the transpose.
+    """
+    array = as_array(name, value)
+    if not _fits(array.shape, shape):
+        wanted = "(" + ", ".join(map(str, shape)) + ("," if len(shape) == 1 else "") + ")"
+        hint = f" Did you mean {name}.T?" if array.ndim > 1 and _fits(array.T.shape, shape) else ""
+        raise ValueError(f"{name} must be {wanted}; got {array.shape}.{hint}")
+    return read_only(array)
+
+
+def _fits(shape: tuple[int, ...], wanted: Sequence[int | str]) -> bool:
+    return len(shape) == len(wanted) and all(
+        isinstance(w, str) or w == s for s, w in zip(shape, wanted, strict=True)
+    )
+
+
+def same_length(t: Array, **columns: Array | None) -> None:
+    """Refuse columns that do not have one row per time stamp."""
+    for name, column in columns.items():
+        if column is not None and len(column) != len(t):
+            raise ValueError(
+                f"{name} must have one row per time stamp; got {len(column)} rows for {len(t)} stamps."
+            )
+
+
+def finite(name: str, array: Array) -> Array:
+    """`array` itself, or a ValueError naming the first row that is NaN or infinite."""
+    good = np.isfinite(array)
+    if not good.all():
+        index = int(np.argwhere(~good)[0][0]) if array.ndim else 0
+        raise ValueError(
+            f"{name} must be finite; row {index} is {array[index] if array.ndim else array}. "
+            "Remove such rows or fill them before they come in."
+        )
+    return array
+
+
+def increasing(name: str, t: Array) -> Array:
+    """`t` itself, or a ValueError naming the first place where time stands still or runs back."""
+    finite(name, t)
+    steps = np.diff(t)
+    if steps.size and steps.min() <= 0.0:
+        k = int(np.argmax(steps <= 0.0))
+        what = "stands still" if steps[k] == 0.0 else "runs back"
+        raise ValueError(
+            f"{name} must increase strictly; it {what} from {t[k]:.9g} to {t[k + 1]:.9g} s at row {k + 1}. "
+            "Sort the rows and drop repeated stamps."
+        )
+    return t
+
+
+def rotations(name: str, R: Array, tolerance: float = 1e-6) -> Array:
+    """`R` (..., 3, 3) itself, or a ValueError naming the first matrix that is not a proper rotation.
+
+    The tolerance lets six printed digits pass and refuses anything that was scaled, sheared or mirrored.
+    """
+    finite(name, R)
+    flat = R.reshape(-1, 3, 3)
+    gram = np.einsum("nij,nik->njk", flat, flat) - np.eye(3)
+    worst = np.abs(gram).max(axis=(1, 2), initial=0.0)
+    mirrored = np.linalg.det(flat) < 0.0
+    bad = (worst > tolerance) | mirrored
+    if bad.any():
+        k = int(np.argmax(bad))
+        why = (
+            "it mirrors (determinant -1)" if mirrored[k] else f"R^T R differs from identity by {worst[k]:.2g}"
+        )
+        where = f" at row {k}" if R.ndim > 2 else ""
+        raise ValueError(f"{name} must hold rotation matrices{where}; {why}.")
+    return R
+
+
+def unit_quaternions(name: str, q: Array, tolerance: float = 1e-2) -> Array:
+    """`q` (n, 4) scaled to unit length, or a ValueError where a row is too far from it to be round-off.
+
+    Printed quaternions carry three digits or more; a length further than 1 % from one means other data.
+    """
+    finite(name, q)
+    length = np.linalg.norm(q, axis=-1)
+    bad = np.abs(length - 1.0) > tolerance
+    if bad.any():
+        k = int(np.argmax(bad))
+        raise ValueError(
+            f"{name} must be unit quaternions; row {k} has length {length[k]:.4g}. "
+            "Check which columns are the quaternion and their order (wxyz or xyzw)."
+        )
+    return np.asarray(q / length[:, None], dtype=np.float64)
+
+
+def choice(name: str, value: Any, options: Sequence[str]) -> str:
+    """`value` itself when it is one of `options`, else a ValueError that suggests the nearest."""
+    if value in options:
+        return str(value)
+    import difflib
+
+    near = difflib.get_close_matches(str(value), options, n=1)
+    hint = f" Did you mean {near[0]!r}?" if near else ""
+    raise ValueError(f"{name} must be one of {', '.join(map(repr, options))}; got {value!r}.{hint}")

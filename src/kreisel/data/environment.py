@@ -1,0 +1,22 @@
+"""What surrounds the body: gravity in the navigation frame N."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from kreisel.data.checks import Array, finite, shaped
+
+STANDARD_GRAVITY = 9.80665
+"""m/s^2; BIPM, SI brochure, conventional value of the acceleration due to gravity."""
+
+
+@dataclass(frozen=True, slots=True)
+class Environment:
+    """Surroundings of the body, in N (east, north, up)."""
+
+    g_N: Array = field(default_factory=lambda: np.array([0.0, 0.0, -STANDARD_GRAVITY]))  # (3,) m/s^2
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "g_N", finite("g_N", shaped("g_N", self.g_N, (3,))))

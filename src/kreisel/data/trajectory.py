@@ -1,0 +1,49 @@
+"""Where a body was and how it was turned: the Trajectory protocol, and Poses as a source delivers them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+from kreisel.data.checks import Array, finite, increasing, rotations, same_length, shaped
+from kreisel.data.motion import Motion
+
+
+@runtime_checkable
+class Trajectory(Protocol):
+    """A path with attitude that can be asked for its motion at any time in its span."""
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time it can be sampled at, s; infinite where it has no end."""
+        ...
+
+    def sample(self, t: Array) -> Motion:
+        """Motion at times `t` (n,), s, increasing and inside the span."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Poses:
+    """Positions and attitudes of the body at time stamps, as motion capture or a file gives them."""
+
+    t: Array  # (n,) s after t0_ns, strictly increasing
+    p_NB: Array  # (n, 3) m
+    R_NB: Array | None = None  # (n, 3, 3); None where the source has positions only
+    v_NB: Array | None = None  # (n, 3) m/s; None where the source has no velocity
+    t0_ns: int = 0  # epoch of t = 0, ns
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        put(self, "t", increasing("t", shaped("t", self.t, ("n",))))
+        put(self, "p_NB", finite("p_NB", shaped("p_NB", self.p_NB, ("n", 3))))
+        if self.R_NB is not None:
+            put(self, "R_NB", rotations("R_NB", shaped("R_NB", self.R_NB, ("n", 3, 3))))
+        if self.v_NB is not None:
+            put(self, "v_NB", finite("v_NB", shaped("v_NB", self.v_NB, ("n", 3))))
+        put(self, "t0_ns", int(self.t0_ns))
+        same_length(self.t, p_NB=self.p_NB, R_NB=self.R_NB, v_NB=self.v_NB)
+
+    def __len__(self) -> int:
+        return len(self.t)

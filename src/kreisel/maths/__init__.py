@@ -1,0 +1,1 @@
+"""Arrays in, arrays out: rotations, kinematics, exact and numeric derivatives."""

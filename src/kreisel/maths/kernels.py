@@ -1,0 +1,20 @@
+"""Turns plain Python functions into compiled kernels, and holds the SO(3) primitives they share.
+
+The one place that names numba. The policy: cached on disk, no fast-math (streaming and batch stay
+bit-identical, NaN keeps its meaning), IEEE division, no Python exceptions, GIL released.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import numba
+
+_F = TypeVar("_F", bound=Callable[..., object])
+
+
+def kernel(function: _F) -> _F:
+    """Compile `function` at its first call; the machine code is cached on disk."""
+    compiled: _F = numba.njit(cache=True, fastmath=False, nogil=True, error_model="numpy")(function)
+    return compiled

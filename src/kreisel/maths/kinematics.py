@@ -1,0 +1,102 @@
+"""Turns derivatives of position and attitude into rates, accelerations and specific force.
+
+Equation numbers are those of document 000. Everything rotational is in body axes B, as a gyro measures it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from kreisel.maths.kernels import kernel
+
+Array = npt.NDArray[np.float64]
+
+
+def velocity_at(p_BS: Array, R_NB: Array, omega_NB_B: Array) -> Array:
+    """Velocity (n, 3) in N that a lever arm p_BS (3,) adds to the body's: R_NB (omega x r)."""
+    return _to_N(R_NB, np.cross(omega_NB_B, p_BS))
+
+
+def acceleration_at(p_BS: Array, R_NB: Array, omega_NB_B: Array, alpha_NB_B: Array) -> Array:
+    """Acceleration (n, 3) in N that a lever arm p_BS (3,) adds: R_NB (omega x (omega x r) + alpha x r).
+
+    Source: eq. (9).
+    """
+    centripetal = np.cross(omega_NB_B, np.cross(omega_NB_B, p_BS))
+    return _to_N(R_NB, centripetal + np.cross(alpha_NB_B, p_BS))
+
+
+def specific_force(a_NB: Array, R_NB: Array, g_N: Array) -> Array:
+    """Specific force (n, 3) in B: R_NB^T (a_NB - g_N); +g up at rest. Source: eq. (9), term a_S."""
+    return np.einsum("nji,nj->ni", R_NB, a_NB - g_N)
+
+
+def _to_N(R_NB: Array, v_B: Array) -> Array:
+    return np.einsum("nij,nj->ni", R_NB, v_B)
+
+
+def euler_motion(phi: Array, dphi: Array, ddphi: Array) -> tuple[Array, Array, Array]:
+    """R_NB (n, 3, 3), omega_NB_B (n, 3) and alpha_NB_B (n, 3) from Euler angles and two derivatives.
+
+    phi, dphi, ddphi: (n, 3) rad, rad/s, rad/s^2, order x, y, z. Equals eq. (7) and (8) taken in B axes;
+    written out because R^T dR/dt for z-y-x angles has three terms a component.
+    """
+    R = np.empty((len(phi), 3, 3))
+    omega, alpha = np.empty_like(phi), np.empty_like(phi)
+    _euler_motion(phi, dphi, ddphi, R, omega, alpha)
+    return R, omega, alpha
+
+
+@kernel
+def _euler_motion(phi: Array, dphi: Array, ddphi: Array, R: Array, omega: Array, alpha: Array) -> None:
+    for k in range(phi.shape[0]):
+        cx, sx = np.cos(phi[k, 0]), np.sin(phi[k, 0])
+        cy, sy = np.cos(phi[k, 1]), np.sin(phi[k, 1])
+        cz, sz = np.cos(phi[k, 2]), np.sin(phi[k, 2])
+        R[k, 0, 0], R[k, 0, 1], R[k, 0, 2] = cz * cy, cz * sy * sx - sz * cx, cz * sy * cx + sz * sx
+        R[k, 1, 0], R[k, 1, 1], R[k, 1, 2] = sz * cy, sz * sy * sx + cz * cx, sz * sy * cx - cz * sx
+        R[k, 2, 0], R[k, 2, 1], R[k, 2, 2] = -sy, cy * sx, cy * cx
+        x, y, z = dphi[k, 0], dphi[k, 1], dphi[k, 2]
+        omega[k, 0] = x - z * sy
+        omega[k, 1] = y * cx + z * cy * sx
+        omega[k, 2] = -y * sx + z * cy * cx
+        xx, yy, zz = ddphi[k, 0], ddphi[k, 1], ddphi[k, 2]
+        alpha[k, 0] = xx - zz * sy - z * y * cy
+        alpha[k, 1] = yy * cx + zz * cy * sx - y * x * sx - z * y * sy * sx + z * x * cy * cx
+        alpha[k, 2] = -yy * sx + zz * cy * cx - y * x * cx - z * y * sy * cx - z * x * cy * sx
+
+
+def quaternion_motion(q: Array, dq: Array, ddq: Array) -> tuple[Array, Array, Array]:
+    """R_NB (n, 3, 3), omega_NB_B (n, 3) and alpha_NB_B (n, 3) from q_NB_wxyz (n, 4) and two derivatives.
+
+    q need not be of unit length: with u = q^-1 dq = (s, v), omega = 2 v and
+    alpha = 2 (vec(q^-1 ddq) - 2 s v) hold for the normalised quaternion whatever the length does, so a
+    spline through quaternions serves without being pulled back to the sphere.
+    """
+    R = np.empty((len(q), 3, 3))
+    omega, alpha = np.empty((len(q), 3)), np.empty((len(q), 3))
+    _quaternion_motion(q, dq, ddq, R, omega, alpha)
+    return R, omega, alpha
+
+
+@kernel
+def _quaternion_motion(q: Array, dq: Array, ddq: Array, R: Array, omega: Array, alpha: Array) -> None:
+    for k in range(q.shape[0]):
+        w, x, y, z = q[k, 0], q[k, 1], q[k, 2], q[k, 3]
+        scale = 1.0 / (w * w + x * x + y * y + z * z)
+        R[k, 0, 0], R[k, 1, 1] = 1.0 - 2.0 * scale * (y * y + z * z), 1.0 - 2.0 * scale * (x * x + z * z)
+        R[k, 2, 2] = 1.0 - 2.0 * scale * (x * x + y * y)
+        R[k, 0, 1], R[k, 1, 0] = 2.0 * scale * (x * y - w * z), 2.0 * scale * (x * y + w * z)
+        R[k, 0, 2], R[k, 2, 0] = 2.0 * scale * (x * z + w * y), 2.0 * scale * (x * z - w * y)
+        R[k, 1, 2], R[k, 2, 1] = 2.0 * scale * (y * z - w * x), 2.0 * scale * (y * z + w * x)
+        dw, dx, dy, dz = dq[k, 0], dq[k, 1], dq[k, 2], dq[k, 3]
+        s = scale * (w * dw + x * dx + y * dy + z * dz)
+        vx = scale * (w * dx - x * dw - y * dz + z * dy)
+        vy = scale * (w * dy - y * dw - z * dx + x * dz)
+        vz = scale * (w * dz - z * dw - x * dy + y * dx)
+        omega[k, 0], omega[k, 1], omega[k, 2] = 2.0 * vx, 2.0 * vy, 2.0 * vz
+        dw, dx, dy, dz = ddq[k, 0], ddq[k, 1], ddq[k, 2], ddq[k, 3]
+        alpha[k, 0] = 2.0 * (scale * (w * dx - x * dw - y * dz + z * dy) - 2.0 * s * vx)
+        alpha[k, 1] = 2.0 * (scale * (w * dy - y * dw - z * dx + x * dz) - 2.0 * s * vy)
+        alpha[k, 2] = 2.0 * (scale * (w * dz - z * dw - x * dy + y * dx) - 2.0 * s * vz)

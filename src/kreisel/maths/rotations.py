@@ -1,0 +1,128 @@
+"""Turns one description of attitude into another: matrix, quaternion, Euler angles, rotation vector.
+
+All matrices are R_NB: they map components in B to components in N. Leading axes are free, so that
+``(3,)``, ``(n, 3)`` and ``(runs, n, 3)`` all work.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+# Below this angle (rad) the series of exp_so3 and log_so3 are exact to the last bit: the first
+# neglected term is angle^6 / 5040 = 4e-17 of the leading one at 5e-3.
+SERIES_BELOW = 5e-3
+
+
+def matrix_from_euler(phi: Array) -> Array:
+    """R_NB (..., 3, 3) from phi (..., 3) = (phi_x, phi_y, phi_z) rad, intrinsic z-y-x.
+
+    Source: document 000, eq. (2).
+    """
+    phi = np.asarray(phi, dtype=np.float64)
+    (cx, cy, cz), (sx, sy, sz) = np.moveaxis(np.cos(phi), -1, 0), np.moveaxis(np.sin(phi), -1, 0)
+    return _matrix(
+        (cz * cy, cz * sy * sx - sz * cx, cz * sy * cx + sz * sx),
+        (sz * cy, sz * sy * sx + cz * cx, sz * sy * cx - cz * sx),
+        (-sy, cy * sx, cy * cx),
+    )
+
+
+def euler_from_matrix(R: Array) -> Array:
+    """phi (..., 3) rad from R_NB (..., 3, 3); phi_y in [-pi/2, pi/2].
+
+    At phi_y = +-pi/2 only the difference of the other two is defined: phi_x is 0 there.
+    """
+    R = np.asarray(R, dtype=np.float64)
+    cos_y = np.hypot(R[..., 0, 0], R[..., 1, 0])
+    # At 1e-8 the elements that carry phi_x and phi_z are down to half their digits.
+    locked = cos_y < 1e-8
+    phi_x = np.where(locked, 0.0, np.arctan2(R[..., 2, 1], R[..., 2, 2]))
+    phi_y = np.arctan2(-R[..., 2, 0], cos_y)
+    phi_z = np.where(locked, np.arctan2(-R[..., 0, 1], R[..., 1, 1]), np.arctan2(R[..., 1, 0], R[..., 0, 0]))
+    return np.stack([phi_x, phi_y, phi_z], axis=-1)
+
+
+def matrix_from_quat_wxyz(q: Array) -> Array:
+    """R_NB (..., 3, 3) from unit quaternions q_NB (..., 4), w first; either sign gives the same matrix."""
+    w, x, y, z = np.moveaxis(np.asarray(q, dtype=np.float64), -1, 0)
+    return _matrix(
+        (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
+        (2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
+        (2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
+    )
+
+
+def quat_wxyz_from_matrix(R: Array) -> Array:
+    """Unit quaternions (..., 4), w first, from R_NB (..., 3, 3).
+
+    A sequence (n, 3, 3) comes back sign-continuous along n, its first with w >= 0.
+    The largest of the four components is found first, so that none is divided by a small number
+    (Shepperd 1978).
+    """
+    R = np.asarray(R, dtype=np.float64)
+    a, b, c = R[..., 0, 0], R[..., 1, 1], R[..., 2, 2]
+    # Rows of four times the outer product q q^T, of which the one with the largest diagonal is kept.
+    p, q, r = R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]
+    u, v, w = R[..., 0, 1] + R[..., 1, 0], R[..., 0, 2] + R[..., 2, 0], R[..., 1, 2] + R[..., 2, 1]
+    outer = _matrix(
+        (1 + a + b + c, p, q, r), (p, 1 + a - b - c, u, v), (q, u, 1 - a + b - c, w), (r, v, w, 1 - a - b + c)
+    )
+    largest = np.argmax(np.einsum("...ii->...i", outer), axis=-1)
+    quat = np.take_along_axis(outer, largest[..., None, None], axis=-2)[..., 0, :]
+    quat = quat / np.linalg.norm(quat, axis=-1, keepdims=True)
+    quat = np.where(quat[..., :1] < 0.0, -quat, quat)
+    return continuous_signs(quat) if quat.ndim > 1 else quat
+
+
+def continuous_signs(q: Array) -> Array:
+    """Quaternions (..., n, 4) with signs flipped so that neighbours along n lie in one hemisphere."""
+    q = np.asarray(q, dtype=np.float64)
+    turns = np.where(np.sum(q[..., 1:, :] * q[..., :-1, :], axis=-1) < 0.0, -1.0, 1.0)
+    signs = np.concatenate([np.ones_like(q[..., :1, 0]), np.cumprod(turns, axis=-1)], axis=-1)
+    return np.asarray(q * signs[..., None])
+
+
+def exp_so3(rotvec: Array) -> Array:
+    """R (..., 3, 3) = Exp(rotvec) for rotation vectors (..., 3) rad (Rodrigues' formula)."""
+    rotvec = np.asarray(rotvec, dtype=np.float64)
+    squared = np.sum(rotvec * rotvec, axis=-1)
+    angle = np.sqrt(squared)
+    small = angle < SERIES_BELOW
+    safe = np.where(small, 1.0, angle)
+    # Half-angle form: 1 - cos(a) loses every digit below 1e-8 rad.
+    half = np.sin(0.5 * safe) / safe
+    first = np.where(small, 1.0 - squared / 6.0 * (1.0 - squared / 20.0), np.sin(safe) / safe)
+    second = np.where(small, 0.5 - squared / 24.0 * (1.0 - squared / 30.0), 2.0 * half * half)
+    K = skew(rotvec)
+    return np.asarray(np.eye(3) + first[..., None, None] * K + second[..., None, None] * (K @ K))
+
+
+def log_so3(R: Array) -> Array:
+    """Rotation vectors (..., 3) rad of R (..., 3, 3), angle in [0, pi].
+
+    Goes through the quaternion, which keeps full accuracy at pi where R - R^T vanishes.
+    """
+    q = quat_wxyz_from_matrix(np.asarray(R, dtype=np.float64)[..., None, :, :])[..., 0, :]
+    vector = q[..., 1:]
+    sine = np.linalg.norm(vector, axis=-1, keepdims=True)
+    small = sine < SERIES_BELOW
+    safe = np.where(small, 1.0, sine)
+    # asin(s) / s = 1 + s^2/6 + 3 s^4/40 + ...: for w near 1 it avoids 0/0.
+    ratio = np.where(
+        small, 1.0 + sine**2 * (1.0 / 6.0 + sine**2 * (3.0 / 40.0)), np.arctan2(safe, q[..., :1]) / safe
+    )
+    return np.asarray(2.0 * ratio * vector)
+
+
+def skew(v: Array) -> Array:
+    """Matrices [v]x (..., 3, 3) with [v]x u = v x u, for v (..., 3)."""
+    x, y, z = np.moveaxis(np.asarray(v, dtype=np.float64), -1, 0)
+    zero = np.zeros_like(x)
+    return _matrix((zero, -z, y), (z, zero, -x), (-y, x, zero))
+
+
+def _matrix(*rows: tuple[Array, ...]) -> Array:
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)

@@ -1,0 +1,32 @@
+"""Turns the motion of a body into what an IMU mounted on it reads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from kreisel.data.environment import Environment
+from kreisel.data.motion import Motion, Mount
+from kreisel.data.recording import ImuRecording
+from kreisel.maths.kinematics import specific_force
+
+
+@dataclass(frozen=True, slots=True)
+class Imu:
+    """An inertial measurement unit at a place on the body."""
+
+    mount: Mount = field(default_factory=Mount)
+    environment: Environment = field(default_factory=Environment)
+
+    def ideal(self, motion: Motion) -> ImuRecording:
+        """What a perfect IMU at the mount reads: angular rate and specific force in S, at the times of `motion`.
+
+        Source: document 000, eq. (9), with the specific force R_SN (a_N - g_N) for its a_S.
+        """
+        at_sensor = motion.at(self.mount)
+        return ImuRecording(
+            t=motion.t,
+            gyro=at_sensor.omega_NB_B,
+            accel=specific_force(at_sensor.a_NB, at_sensor.R_NB, self.environment.g_N),
+            t0_ns=motion.t0_ns,
+            name=self.mount.name,
+        )
