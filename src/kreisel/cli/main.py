@@ -8,9 +8,10 @@ from __future__ import annotations
 import argparse
 import difflib
 import os
+import re
 import sys
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from kreisel import __version__, discovery
 
@@ -26,6 +27,11 @@ try it:
 
 class _Parser(argparse.ArgumentParser):
     """argparse with one-line errors that suggest the nearest option or command."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        # "-0.1,0,0" is a lever arm, not an option.
+        self._negative_number_matcher = re.compile(r"^-[.\d].*$")
 
     def error(self, message: str) -> NoReturn:
         words = [o for action in self._actions for o in action.option_strings] + self._command_names()
