@@ -49,7 +49,7 @@ _HOMES = {
     "Trajectory": "kreisel.data.trajectory",
 }
 
-__all__ = ["__version__", *sorted(_HOMES)]  # noqa: PLE0604
+__all__ = ["__version__", *sorted(_HOMES)]
 
 
 def __getattr__(name: str) -> Any:

@@ -27,7 +27,7 @@ class Signal(Protocol):
 
 
 def interpolating_spline(t: Array, x: Array) -> Signal:
-    """Spline through samples `x` (n, c) at `t` (n,) s; of lower degree where there are few samples or gaps."""
+    """Spline through samples `x` (n, c) at `t` (n,) s; of lower degree where there are few samples."""
     from scipy.interpolate import make_interp_spline
 
     degree = DEGREE_FAST if 1.0 / np.median(np.diff(t)) > FAST_HZ else DEGREE
@@ -37,7 +37,7 @@ def interpolating_spline(t: Array, x: Array) -> Signal:
 
 
 def noise_level(t: Array, x: Array) -> Array:
-    """Standard deviation (c,) of white noise in samples `x` (n, c) at times `t` (n,) s; 0 where there is none to see.
+    """Standard deviation (c,) of white noise in samples `x` (n, c) at `t` (n,) s; 0 where none can be seen.
 
     Differences of rising order, scaled to leave white noise as it is, make everything smooth vanish: what
     stops shrinking is noise. Divided differences serve, so that uneven steps do no harm, and a median over

@@ -7,7 +7,7 @@ bit-identical, NaN keeps its meaning), IEEE division, no Python exceptions, GIL 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar
+from typing import TypeVar, cast
 
 import numba
 
@@ -16,5 +16,4 @@ _F = TypeVar("_F", bound=Callable[..., object])
 
 def kernel(function: _F) -> _F:
     """Compile `function` at its first call; the machine code is cached on disk."""
-    compiled: _F = numba.njit(cache=True, fastmath=False, nogil=True, error_model="numpy")(function)
-    return compiled
+    return cast(_F, numba.njit(cache=True, fastmath=False, nogil=True, error_model="numpy")(function))

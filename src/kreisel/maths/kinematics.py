@@ -29,11 +29,11 @@ def acceleration_at(p_BS: Array, R_NB: Array, omega_NB_B: Array, alpha_NB_B: Arr
 
 def specific_force(a_NB: Array, R_NB: Array, g_N: Array) -> Array:
     """Specific force (n, 3) in B: R_NB^T (a_NB - g_N); +g up at rest. Source: eq. (9), term a_S."""
-    return np.einsum("nji,nj->ni", R_NB, a_NB - g_N)
+    return np.asarray(np.einsum("nji,nj->ni", R_NB, a_NB - g_N))
 
 
 def _to_N(R_NB: Array, v_B: Array) -> Array:
-    return np.einsum("nij,nj->ni", R_NB, v_B)
+    return np.asarray(np.einsum("nij,nj->ni", R_NB, v_B))
 
 
 def euler_motion(phi: Array, dphi: Array, ddphi: Array) -> tuple[Array, Array, Array]:

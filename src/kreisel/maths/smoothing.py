@@ -92,7 +92,7 @@ def _most_likely(t: Array, x: Array, rate: Array | None, spacing: float) -> tupl
         )
         return float(best.x[0]), float(best.x[1])
     grid = np.arange(_LOWEST, _HIGHEST + 0.5)
-    # The likelihood can have a second optimum where a tone sits above the motion: start from the best of a grid.
+    # There can be a second optimum where a tone sits above the motion: start from the best of a grid.
     near = grid[int(np.argmin([cost(g) for g in grid]))]
     bounds = (max(near - 1.0, _LOWEST), min(near + 1.0, _HIGHEST))
     return float(minimize_scalar(cost, bounds=bounds, method="bounded", options={"xatol": 0.02}).x), 0.0
@@ -136,7 +136,7 @@ class _System:
         return len(self.knots) - DEGREE - 1
 
     def solve(self, penalty: float, weight: float) -> _Solution:
-        """Spline coefficients for a penalty and a weight of squared rate residuals against squared residuals."""
+        """Best spline for a penalty and a weight of squared residuals of rates against those of values."""
         matrix, moments = self.gram + penalty * self.penalty, self.moments
         if self.rate is not None:
             matrix, moments = matrix + weight * self.rate_gram, moments + weight * self.rate_moments
