@@ -26,6 +26,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from kreisel.data.attitude import AttitudeHistory as AttitudeHistory
+    from kreisel.data.attitude import Reference as Reference
     from kreisel.data.environment import Environment as Environment
     from kreisel.data.motion import Motion as Motion
     from kreisel.data.motion import Mount as Mount
@@ -34,11 +36,14 @@ if TYPE_CHECKING:
     from kreisel.data.trajectory import Poses as Poses
     from kreisel.data.trajectory import Trajectory as Trajectory
     from kreisel.simulate.imu import Imu as Imu
+    from kreisel.simulate.trajectories.sampled import SampledTrajectory as SampledTrajectory
 
 __version__ = "0.1.0"
 
 # Public name -> module. Loaded at first use, so that `import kreisel` costs milliseconds.
 _HOMES = {
+    "AttitudeHistory": "kreisel.data.attitude",
+    "Reference": "kreisel.data.attitude",
     "Environment": "kreisel.data.environment",
     "Imu": "kreisel.simulate.imu",
     "ImuRecording": "kreisel.data.recording",
@@ -46,6 +51,7 @@ _HOMES = {
     "Mount": "kreisel.data.motion",
     "Note": "kreisel.data.motion",
     "Poses": "kreisel.data.trajectory",
+    "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
     "Trajectory": "kreisel.data.trajectory",
 }
 
