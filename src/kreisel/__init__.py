@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from kreisel.data.recording import ImuRecording as ImuRecording
     from kreisel.data.trajectory import Poses as Poses
     from kreisel.data.trajectory import Trajectory as Trajectory
+    from kreisel.files.doors import read as read
+    from kreisel.files.doors import write as write
     from kreisel.simulate.imu import Imu as Imu
 
 __version__ = "0.1.0"
@@ -47,6 +49,8 @@ _HOMES = {
     "Note": "kreisel.data.motion",
     "Poses": "kreisel.data.trajectory",
     "Trajectory": "kreisel.data.trajectory",
+    "read": "kreisel.files.doors",
+    "write": "kreisel.files.doors",
 }
 
 __all__ = ["__version__", *sorted(_HOMES)]
