@@ -10,7 +10,9 @@ import pytest
 import kreisel
 from kreisel.files.doors import format_names
 
-POSES = kreisel.Poses(t=np.arange(5) * 0.1, p_NB=np.arange(15.0).reshape(5, 3), R_NB=np.tile(np.eye(3), (5, 1, 1)))
+POSES = kreisel.Poses(
+    t=np.arange(5) * 0.1, p_NB=np.arange(15.0).reshape(5, 3), R_NB=np.tile(np.eye(3), (5, 1, 1))
+)
 IMU = kreisel.ImuRecording(t=np.arange(5) * 0.1, gyro=np.ones((5, 3)), accel=np.full((5, 3), 9.0))
 
 
@@ -38,14 +40,16 @@ def test_format_names_are_what_users_type() -> None:
         ("missing/out.csv", {}, "folder .*missing does not exist"),
     ],
 )
-def test_writing_elsewhere_is_explained(tmp_path: Path, path: str, options: dict[str, str], message: str) -> None:
+def test_writing_elsewhere_is_explained(
+    tmp_path: Path, path: str, options: dict[str, str], message: str
+) -> None:
     with pytest.raises((ValueError, OSError), match=message):
         kreisel.write(tmp_path / path, POSES, **options)
 
 
 def test_a_missing_file_suggests_its_neighbour(tmp_path: Path) -> None:
     (tmp_path / "poses.csv").write_text("t,x\n")
-    with pytest.raises(FileNotFoundError, match="Did you mean 'poses.csv'"):
+    with pytest.raises(FileNotFoundError, match=r"Did you mean 'poses\.csv'"):
         kreisel.read(tmp_path / "pose.csv")
 
 

@@ -73,7 +73,7 @@ def comments_above(lines: Iterable[str]) -> list[str]:
 
 
 def decode(path: Path, data: bytes) -> str:
-    """Text in UTF-8, UTF-16 with its mark, or Latin-1 for the odd degree sign; ValueError on control bytes."""
+    """Text in UTF-8, UTF-16 with its mark, or Latin-1 for a degree sign; ValueError on control bytes."""
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         try:
             return data.decode("utf-16")
