@@ -35,6 +35,8 @@ if TYPE_CHECKING:
     from kreisel.data.recording import ImuRecording as ImuRecording
     from kreisel.data.trajectory import Poses as Poses
     from kreisel.data.trajectory import Trajectory as Trajectory
+    from kreisel.files.doors import read as read
+    from kreisel.files.doors import write as write
     from kreisel.simulate.imu import Imu as Imu
     from kreisel.simulate.trajectories.sampled import SampledTrajectory as SampledTrajectory
 
@@ -53,6 +55,8 @@ _HOMES = {
     "Poses": "kreisel.data.trajectory",
     "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
     "Trajectory": "kreisel.data.trajectory",
+    "read": "kreisel.files.doors",
+    "write": "kreisel.files.doors",
 }
 
 __all__ = ["__version__", *sorted(_HOMES)]
