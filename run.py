@@ -142,7 +142,7 @@ def install(extras: list[str]) -> None:
     command = [*installer(), "-e", f"{ROOT}[{','.join(extras)}]"]
     say(f"installing kreisel[{','.join(extras)}] into it (the first time takes a minute or two)")
     started = time.monotonic()
-    call(command, "the installation failed; is there a network?")
+    call(command, "the installation failed, for the reason above (no network?)")
     say(f"installed in {time.monotonic() - started:.0f} s")
 
 
