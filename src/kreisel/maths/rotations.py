@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.maths.kernels import kernel
+from kreisel.maths.kernels import argument, kernel
 
 Array = npt.NDArray[np.float64]
 
@@ -65,7 +65,7 @@ def quat_wxyz_from_matrix(R: Array) -> Array:
     (Shepperd 1978).
     """
     R = np.asarray(R, dtype=np.float64)
-    flat = np.ascontiguousarray(R).reshape(-1, 3, 3)
+    flat = argument(R.reshape(-1, 3, 3))
     quat = np.empty((len(flat), 4))
     _quat_wxyz_from_matrix(flat, quat)
     quat = quat.reshape((*R.shape[:-2], 4))

@@ -162,7 +162,7 @@ class SampledTrajectory:
         v = gradient(self.position, self.t)
         a = gradient(v, self.t)
         if isinstance(self.orientation, str):
-            R = _tangents(v, self.t)
+            R = _tangents(v, self.orientation)
         else:
             R = matrix_from_quat_wxyz(self.orientation)
         omega, alpha = gradient_rotation(self.t, R)
@@ -202,6 +202,21 @@ def _quaternions(orientation: Any, order: str | None) -> Array:
         "orientation must be Euler angles (n, 3), quaternions (n, 4), matrices (n, 3, 3), a SciPy Rotation, "
         f'"tangent" or "transport"; got shape {shape}.'
     )
+
+
+def _tangents(v: Array, orientation: str) -> Array:
+    """R_NB (n, 3, 3) by eqs. (10)-(13); rows without movement keep the last direction, or wait for the first."""
+    if orientation == "transport":
+        raise ValueError(
+            'the MATLAB scheme knows orientation "tangent" only; use method="spline" for "transport".'
+        )
+    moving = np.flatnonzero(np.any(v != 0.0, axis=1))
+    if moving.size == 0:
+        return np.tile(np.eye(3), (len(v), 1, 1))
+    last = np.searchsorted(moving, np.arange(len(v)), side="right") - 1
+    v = v[moving[np.maximum(last, 0)]]
+    phi_y = -np.arctan2(v[:, 2], np.hypot(v[:, 0], v[:, 1]))
+    return matrix_from_euler(np.stack([np.zeros(len(v)), phi_y, np.arctan2(v[:, 1], v[:, 0])], axis=1))
 
 
 def _readable(level: float, unit: str) -> str:
