@@ -72,7 +72,7 @@ def read(
     path: PathLike,
     format: str | None = None,
     *,
-    kind: None = None,
+    kind: str | None = None,
     columns: Mapping[str, str] | None = None,
     rate_hz: float | None = None,
     times: PathLike | None = None,
