@@ -56,7 +56,7 @@ print(*{module.split(".")[0] for module in sys.modules})
 def test_import_contracts_hold(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.chdir(ROOT)
     monkeypatch.syspath_prepend(str(SOURCE))
-    exit_code = lint_imports(no_cache=True, no_logo=True)
+    exit_code = lint_imports(no_cache=True)
     assert exit_code == 0, capsys.readouterr().out
 
 
