@@ -144,3 +144,26 @@ def skew(v: Array) -> Array:
 
 def _matrix(*rows: tuple[Array, ...]) -> Array:
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def rotation_defect(R: Array) -> Array:
+    """Largest element (n,) of |R^T R - 1| for finite R (n, 3, 3); 2 where R mirrors."""
+    defect = np.empty(len(R))
+    _rotation_defect(argument(R), defect)
+    return defect
+
+
+@kernel
+def _rotation_defect(R: Array, defect: Array) -> None:
+    for k in range(R.shape[0]):
+        worst = 0.0
+        for i in range(3):
+            for j in range(i, 3):
+                dot = R[k, 0, i] * R[k, 0, j] + R[k, 1, i] * R[k, 1, j] + R[k, 2, i] * R[k, 2, j]
+                off = abs(dot - 1.0) if i == j else abs(dot)
+                worst = max(worst, off)
+        x = R[k, 1, 0] * R[k, 2, 1] - R[k, 2, 0] * R[k, 1, 1]
+        y = R[k, 2, 0] * R[k, 0, 1] - R[k, 0, 0] * R[k, 2, 1]
+        z = R[k, 0, 0] * R[k, 1, 1] - R[k, 1, 0] * R[k, 0, 1]
+        mirrored = x * R[k, 0, 2] + y * R[k, 1, 2] + z * R[k, 2, 2] < 0.0
+        defect[k] = 2.0 if mirrored else worst

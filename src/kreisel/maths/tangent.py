@@ -90,7 +90,7 @@ def limits(t: Array, derivatives: Array, side: int, still: Stillness = EXACT) ->
 
 
 def leading_series(t: Array, derivatives: Array, side: int, still: Stillness = EXACT) -> Array:
-    """u (3, n, 3) with two derivatives, parallel to the body's movement just `BEFORE` or `AFTER` t; NaN at rest.
+    """u (3, n, 3) with two derivatives, parallel to the movement just `BEFORE` or `AFTER` t; NaN at rest.
 
     derivatives (6, n, 3) in N: velocity and five more. Where the velocity is not nil it is u itself.
     """

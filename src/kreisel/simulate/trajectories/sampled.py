@@ -109,9 +109,9 @@ class SampledTrajectory:
             R, omega, alpha, notes = _along_path(position, times, self.orientation, self.t)
         else:
             attitude, attitude_note = self._attitude
-            R, omega, alpha = quaternion_motion(*(attitude(times, k) for k in range(3)))
+            R, omega, alpha = quaternion_motion(*attitude(times, 2))
             notes = (attitude_note,)
-        p, v, a = (position(times, k) for k in range(3))
+        p, v, a = position(times, 2)
         return Motion(times, p, v, a, R, omega, alpha, self.t0_ns, self.name, (position_note, *notes))
 
     def _inside(self, times: Array) -> None:
@@ -205,7 +205,7 @@ def _quaternions(orientation: Any, order: str | None) -> Array:
 
 
 def _tangents(v: Array, orientation: str) -> Array:
-    """R_NB (n, 3, 3) by eqs. (10)-(13); rows without movement keep the last direction, or wait for the first."""
+    """R_NB (n, 3, 3) by eqs. (10)-(13); a row at rest keeps the last direction, or has the first to come."""
     if orientation == "transport":
         raise ValueError(
             'the MATLAB scheme knows orientation "tangent" only; use method="spline" for "transport".'
