@@ -47,7 +47,7 @@ def read_input(args: Namespace, path: str | None = None, kind: str | None = None
     kind : "poses", "motion" or "imu" to insist on one, as `kreisel.read` has it.
     """
     choice("--frame", args.frame, tuple(WORLDS))
-    data: Noun = read(
+    data = read(
         Path(args.input if path is None else path),
         args.from_format,
         kind=kind,

@@ -10,7 +10,6 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 from types import ModuleType
-from typing import Literal, overload
 
 from kreisel import discovery
 from kreisel.data.checks import choice
@@ -37,46 +36,6 @@ def format_named(name: str) -> ModuleType:
     return discovery.load(FOLDER, choice("format", name, format_names()).replace("-", "_"))
 
 
-@overload
-def read(
-    path: PathLike,
-    format: str | None = None,
-    *,
-    kind: Literal["poses"],
-    columns: Mapping[str, str] | None = None,
-    rate_hz: float | None = None,
-    times: PathLike | None = None,
-) -> Poses: ...
-@overload
-def read(
-    path: PathLike,
-    format: str | None = None,
-    *,
-    kind: Literal["imu"],
-    columns: Mapping[str, str] | None = None,
-    rate_hz: float | None = None,
-    times: PathLike | None = None,
-) -> ImuRecording: ...
-@overload
-def read(
-    path: PathLike,
-    format: str | None = None,
-    *,
-    kind: Literal["motion"],
-    columns: Mapping[str, str] | None = None,
-    rate_hz: float | None = None,
-    times: PathLike | None = None,
-) -> Motion: ...
-@overload
-def read(
-    path: PathLike,
-    format: str | None = None,
-    *,
-    kind: str | None = None,
-    columns: Mapping[str, str] | None = None,
-    rate_hz: float | None = None,
-    times: PathLike | None = None,
-) -> Noun: ...
 def read(
     path: PathLike,
     format: str | None = None,

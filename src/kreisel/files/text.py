@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import re
 import warnings
 from collections.abc import Iterable, Sequence
@@ -53,7 +54,8 @@ def read_text(path: Path) -> TextFile:
     if not rows:
         raise ValueError(f"{path} has no rows: every line is blank or a comment.")
     file = TextFile(path, lines, rows, comments_above(lines))
-    if lines[-1] and len(rows) > 2 and len(rows[-1]) < min(map(len, rows[-101:-1])):
+    # The first row may be a header, as short as its names.
+    if lines[-1] and len(rows) > 2 and len(rows[-1]) < min(map(len, rows[1:-1][-100:])):
         warnings.warn(
             f"{path}, line {len(lines)}: the last line has no line end and is shorter than those above; "
             "the file may have been cut off. Compare its size with the original's.",
@@ -160,9 +162,7 @@ def _filled(rows: list[str], delimiter: str | None) -> list[str]:
 
 
 def _check_widths(file: TextFile, rows: list[str], delimiter: str | None, width: int) -> None:
-    if any('"' in row for row in rows[:1]):
-        return
-    counts = [len(r.split()) for r in rows] if delimiter is None else [r.count(delimiter) + 1 for r in rows]
+    counts = [_width(row, delimiter) for row in rows]
     wrong = np.flatnonzero(np.array(counts) != width)
     if wrong.size:
         k = int(wrong[0])
@@ -172,6 +172,21 @@ def _check_widths(file: TextFile, rows: list[str], delimiter: str | None, width:
         elif delimiter == "," and k == 0 and counts[k] >= 2 * width - 1:
             hint = "Are these decimal commas? Write numbers with a decimal point."
         raise file.error(k, f"{counts[k]} fields where {width} are expected. {hint}")
+
+
+def _width(row: str, delimiter: str | None) -> int:
+    if delimiter is None or '"' in row:
+        return len(split_row(row, delimiter))
+    return row.count(delimiter) + 1
+
+
+def split_row(row: str, delimiter: str | None) -> list[str]:
+    """The fields of a row, blanks and quotes taken off; None splits at blanks."""
+    if delimiter is None:
+        return row.split()
+    if '"' in row:
+        return [field.strip() for field in next(csv.reader([row], delimiter=delimiter, skipinitialspace=True))]
+    return [field.strip() for field in row.split(delimiter)]
 
 
 def _stamps(file: TextFile, stamps: Fields, column: str) -> Fields:
@@ -202,9 +217,9 @@ def _diagnosis(
 ) -> ValueError:
     """Which field it was, found again row by row."""
     for k, row in enumerate(rows):
-        fields = row.split(delimiter)
+        fields = split_row(row, delimiter)
         for c in columns:
-            field = fields[c].strip().strip('"')
+            field = fields[c]
             if not is_number(field):
                 hint = "Repair or remove that line."
                 if re.fullmatch(r"[-+]?\d+,\d+([eE][-+]?\d+)?", field):

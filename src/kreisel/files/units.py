@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import re
 from dataclasses import dataclass
 
 from kreisel.data.checks import Array
@@ -50,28 +51,26 @@ UNITS: dict[str, dict[str, Scale]] = {
 """Units of each kind of quantity; ours comes first."""
 
 _OTHER_SPELLINGS = {
-    "sec": "s",
-    "second": "s",
-    "seconds": "s",
-    "msec": "ms",
-    "usec": "us",
-    "nsec": "ns",
-    "µs": "us",
-    "μs": "us",
-    "°": "deg",
-    "degree": "deg",
-    "degrees": "deg",
-    "radian": "rad",
-    "radians": "rad",
     "dps": "deg/s",
     "mdps": "mdeg/s",
-    "µT": "uT",
-    "μT": "uT",
     "microtesla": "uT",
     "G": "gauss",
     "Gs": "gauss",
     "mG": "mgauss",
 }
+
+_SIGNS = str.maketrans({"²": "2", "¹": "1", "⁻": "-", "°": "deg", "µ": "u", "μ": "u", "·": " ", "*": " "})
+
+# In turn: powers without a hat, words to symbols, s^-1 and /s/s to quotients.
+_REWRITES = (
+    (r"\^", ""),
+    (r"deg(rees?)?", "deg"),
+    (r"rad(ians?)?", "rad"),
+    (r"sec(onds?)?|\bsecs?\b", "s"),
+    (r" +s-1$", "/s"),
+    (r" +s-2$|/s/s$|/s2$", "/s^2"),
+    (r"\s+", ""),
+)
 
 
 def scale(unit: str, quantity: str) -> Scale:
@@ -89,12 +88,10 @@ def scale(unit: str, quantity: str) -> Scale:
 
 def _plain(unit: str) -> str:
     """One spelling of powers, products and quotients: m s^-2, m/s², m/s/s and m/s2 are m/s^2."""
-    text = unit.strip().replace("²", "^2").replace("**", "^").replace("·", " ").replace("*", " ")
-    text = text.replace("⁻", "^-").replace("^-¹", "^-1").replace("sec", "s").replace("°", "deg")
-    words = text.replace("/s/s", "/s^2").replace("/s2", "/s^2").split()
-    if len(words) == 2 and words[1] in ("s^-1", "s^-2"):
-        return f"{words[0]}/s" + ("^2" if words[1] == "s^-2" else "")
-    return "".join(words)
+    text = unit.strip().translate(_SIGNS)
+    for pattern, replacement in _REWRITES:
+        text = re.sub(pattern, replacement, text, flags=re.IGNORECASE)
+    return text
 
 
 def _relaxed(plain: str, quantity: str) -> list[str]:

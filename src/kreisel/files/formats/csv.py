@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -26,6 +25,7 @@ from kreisel.files.text import (
     is_number,
     load,
     read_text,
+    split_row,
     write_rows,
 )
 from kreisel.files.units import UNITS
@@ -113,7 +113,7 @@ def _delimiter(rows: list[str]) -> str | None:
 def _fields(line: str, delimiter: str | None) -> list[str]:
     if delimiter is None:
         return re.sub(r"\s+([\[(])", r"\1", line).split()
-    return [field.strip() for field in next(csv.reader([line], delimiter=delimiter))]
+    return split_row(line, delimiter)
 
 
 def _headers(file: TextFile, delimiter: str | None) -> tuple[TextFile, list[str]]:
