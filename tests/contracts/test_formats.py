@@ -159,7 +159,16 @@ def test_a_cut_file_is_refused_or_shorter(
 @pytest.mark.parametrize("name", FORMATS)
 @pytest.mark.parametrize(
     "content",
-    [b"", b"\n\n", bytes(range(256)) * 40, b"\x00" * 4096, b"\xff\xfe\x00", b"a,b\n", b"PK\x03\x04.npy", b"MATLAB 5.0"],
+    [
+        b"",
+        b"\n\n",
+        bytes(range(256)) * 40,
+        b"\x00" * 4096,
+        b"\xff\xfe\x00",
+        b"a,b\n",
+        b"PK\x03\x04.npy",
+        b"MATLAB 5.0",
+    ],
 )
 def test_garbage_is_one_sentence(name: str, content: bytes, tmp_path: Path) -> None:
     path = tmp_path / "garbage"
@@ -172,7 +181,11 @@ def test_garbage_is_one_sentence(name: str, content: bytes, tmp_path: Path) -> N
 @pytest.mark.parametrize("name", FORMATS)
 @pytest.mark.parametrize("interruption", [KeyboardInterrupt, OSError(28, "No space left on device")])
 def test_an_interrupted_write_leaves_what_was_there(
-    name: str, interruption: BaseException, tmp_path: Path, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+    name: str,
+    interruption: BaseException,
+    tmp_path: Path,
+    rng: np.random.Generator,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The disk fills up, or Ctrl-C comes, when the bytes are there but not yet safe."""
     data = MAKERS[doors.format_named(name).HOLDS[0]](rng)

@@ -33,9 +33,7 @@ def test_units_in_brackets_are_converted(tmp_path: Path) -> None:
 
 def test_a_foreign_table_is_mapped(tmp_path: Path) -> None:
     path = file(tmp_path, "Frame;Time (ms);X;Y;Z\n1;0;1000;0;-2.5\n2;10;1001;0;-2.5\n")
-    data = kreisel.read(
-        path, columns={"t": "Time (ms)", "p_x": "X [mm]", "p_y": "Y [mm]", "p_z": "#5 [mm]"}
-    )
+    data = kreisel.read(path, columns={"t": "Time (ms)", "p_x": "X [mm]", "p_y": "Y [mm]", "p_z": "#5 [mm]"})
     assert isinstance(data, kreisel.Poses)
     assert data.R_NB is None
     np.testing.assert_array_equal(data.t, [0.0, 0.01])
@@ -70,7 +68,9 @@ def test_utf16_and_latin1_are_text_too(tmp_path: Path) -> None:
 
 def test_empty_fields_of_a_recording_are_missing_samples(tmp_path: Path) -> None:
     header = "t,gx,gy,gz,ax,ay,az,mx,my,mz\n"
-    path = file(tmp_path, header + "0,1,1,1,2,2,2,3,3,3\n1,1,1,1,2,2,2,,,\n2,,,,2,2,2, , ,\n3,1,1,1,2,2,2,3,3,3\n")
+    path = file(
+        tmp_path, header + "0,1,1,1,2,2,2,3,3,3\n1,1,1,1,2,2,2,,,\n2,,,,2,2,2, , ,\n3,1,1,1,2,2,2,3,3,3\n"
+    )
     data = kreisel.read(path, kind="imu")
     assert np.isnan(data.gyro).all(axis=1).tolist() == [False, False, True, False]
     assert np.isnan(data.mag_uT).all(axis=1).tolist() == [False, True, True, False]

@@ -128,6 +128,7 @@ def choice(name: str, value: Any, options: Sequence[str]) -> str:
         return str(value)
     import difflib
 
-    near = difflib.get_close_matches(str(value), options, n=1)
+    begun = [option for option in options if value and option.startswith(str(value))]
+    near = begun or difflib.get_close_matches(str(value), options, n=1)
     hint = f" Did you mean {near[0]!r}?" if near else ""
     raise ValueError(f"{name} must be one of {', '.join(map(repr, options))}; got {value!r}.{hint}")

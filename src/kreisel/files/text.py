@@ -185,7 +185,9 @@ def split_row(row: str, delimiter: str | None) -> list[str]:
     if delimiter is None:
         return row.split()
     if '"' in row:
-        return [field.strip() for field in next(csv.reader([row], delimiter=delimiter, skipinitialspace=True))]
+        return [
+            field.strip() for field in next(csv.reader([row], delimiter=delimiter, skipinitialspace=True))
+        ]
     return [field.strip() for field in row.split(delimiter)]
 
 
