@@ -1,0 +1,1 @@
+"""Trajectories to inertial sensor data, and inertial sensor data back to attitude."""
