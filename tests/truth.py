@@ -58,7 +58,10 @@ def _row(case: str, t: float) -> tuple[Any, ...]:
             _add(x[:ORDER], *[_scale(R[i][k], mpmath.mpf(LEVER_ARM[k])) for k in range(3)])
             for i, x in enumerate(position)
         ]
-        R0, R1, R2 = ([[factor * R[i][k][d] for k in range(3)] for i in range(3)] for d, factor in ((0, 1), (1, 1), (2, 2)))
+        R0, R1, R2 = (
+            [[factor * R[i][k][d] for k in range(3)] for i in range(3)]
+            for d, factor in ((0, 1), (1, 1), (2, 2))
+        )
         omega = _vee(_transposed_times(R0, R1))
         # d/dt (R^T R') = R^T R'' + R'^T R'; the second term is symmetric and leaves the vee alone.
         alpha = _vee(_transposed_times(R0, R2))
@@ -75,7 +78,10 @@ def _wave(t: float, amplitude: float, harmonic: int, shift: int) -> Series:
     """Taylor coefficients at t of amplitude cos(2 pi harmonic t - shift pi / 2)."""
     w = 2 * mpmath.pi * harmonic
     return [
-        mpmath.mpf(amplitude) * w**k * mpmath.cos(w * mpmath.mpf(t) + (k - shift) * mpmath.pi / 2) / mpmath.factorial(k)
+        mpmath.mpf(amplitude)
+        * w**k
+        * mpmath.cos(w * mpmath.mpf(t) + (k - shift) * mpmath.pi / 2)
+        / mpmath.factorial(k)
         for k in range(ORDER + 1)
     ]
 

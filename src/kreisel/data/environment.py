@@ -12,7 +12,7 @@ STANDARD_GRAVITY = 9.80665
 """m/s^2; BIPM, SI brochure, conventional value of the acceleration due to gravity."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Environment:
     """Surroundings of the body, in N (east, north, up)."""
 

@@ -24,7 +24,7 @@ class Note:
     t: float | None = None  # s, where it happened
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Mount:
     """Where a sensor sits on the body and how it is turned."""
 
@@ -37,7 +37,7 @@ class Mount:
         object.__setattr__(self, "R_BS", rotations("R_BS", shaped("R_BS", self.R_BS, (3, 3))))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Motion:
     """Motion of a body B in N at time stamps; every field is exact to the method that made it."""
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from kreisel.data.checks import Array, increasing, same_length, shaped
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class ImuRecording:
     """What an IMU delivers, in sensor axes S. A NaN row is a missing sample."""
 

@@ -23,7 +23,7 @@ class Trajectory(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Poses:
     """Positions and attitudes of the body at time stamps, as motion capture or a file gives them."""
 

@@ -62,7 +62,9 @@ def follow(path: Path, t: Array, span: Span = (-np.inf, np.inf), still: Stillnes
         part, headless[rows] = tangent_motion(*columns, still)
         for whole, piece in zip(attitude, part, strict=True):
             whole[rows] = piece
-        with_tail = tuple(np.concatenate(pair) for pair in zip(tail, columns, strict=True)) if tail else columns
+        with_tail = (
+            tuple(np.concatenate(pair) for pair in zip(tail, columns, strict=True)) if tail else columns
+        )
         doubtful[low + (0 if tail else 1) : low + BLOCK] = suspects(*with_tail, still)
         tail = tuple(column[-1:] for column in columns)
     aimless = _settle(path, t, headless, attitude, span, still)

@@ -63,9 +63,7 @@ def instant_at(t: Array, still: Stillness) -> Array:
     return np.asarray(still.instant + 8.9e-16 * np.abs(t))
 
 
-def tangent_motion(
-    t: Array, v: Array, a: Array, j: Array, still: Stillness = EXACT
-) -> tuple[Attitude, Mask]:
+def tangent_motion(t: Array, v: Array, a: Array, j: Array, still: Stillness = EXACT) -> tuple[Attitude, Mask]:
     """Attitude of a body along its path, from velocity, acceleration and jerk (n, 3) in N at times t (n,).
 
     The mask (n,) marks the rows without a heading, where the horizontal velocity is nil. They are left at
@@ -253,7 +251,11 @@ def _heading_limit(k: int, d: Array, level: int, m: int, side: int, heading: Arr
     heading[k, 0], heading[k, 1], heading[k, 2] = sign * x / size, sign * y / size, turn
     heading[k, 3] = (x * ddy - y * ddx) / squared - 2.0 * turn * along / squared
     if level == m:
-        climb[k, 0], climb[k, 1], climb[k, 2] = size, along / size, (x * ddx + y * ddy) / size + size * turn * turn
+        climb[k, 0], climb[k, 1], climb[k, 2] = (
+            size,
+            along / size,
+            (x * ddx + y * ddy) / size + size * turn * turn,
+        )
     elif level == m + 1:
         climb[k, 1], climb[k, 2] = side * size, side * 2.0 * along / size
     elif level == m + 2:

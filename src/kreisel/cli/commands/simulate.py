@@ -1,0 +1,119 @@
+"""Turns a file of poses into what an IMU on that body would have read: `kreisel simulate`."""
+
+from __future__ import annotations
+
+import time
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+import numpy as np
+
+from kreisel.cli.inputs import add_input_arguments, read_input
+from kreisel.cli.outputs import aligned, describe_notes, write_simulation
+from kreisel.data.checks import choice
+from kreisel.data.frames import WORLDS
+from kreisel.data.motion import Motion, Mount
+from kreisel.data.trajectory import Poses
+
+HELP = "IMU data of a body that moves along the poses in a file"
+
+_EXAMPLES = """\
+examples:
+  kreisel simulate poses.csv -o out/
+  kreisel simulate poses.tum -o out/ --rate 400 --imu wrist:0.02,0,0.05
+  kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
+  kreisel simulate flight.csv -o out/ --frame ned-frd
+"""
+
+
+def configure(parser: ArgumentParser) -> None:
+    """Add the command's arguments."""
+    add_input_arguments(parser)
+    parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="folder for what is made")
+    parser.add_argument(
+        "--imu",
+        action="append",
+        metavar="[NAME:]X,Y,Z[:RX,RY,RZ]",
+        help="lever arm from the body's origin in m, body axes, and turn of the sensor about x, y, z in deg "
+        "(z-y-x); may be given several times",
+    )
+    parser.add_argument("--rate", type=float, metavar="HZ", help="IMU rate (default: the times of the poses)")
+    parser.add_argument(
+        "--method", default="auto", help="auto (default), spline, smooth or gradient (MATLAB's scheme)"
+    )
+    parser.add_argument("--orientation", help="tangent or transport, in place of the file's attitude")
+    parser.add_argument("--to-frame", default="enu-flu", help=f"world of the output: {', '.join(WORLDS)}")
+    parser.add_argument("--imu-format", default="csv", help="csv (default), npz, mat or euroc-imu")
+    parser.add_argument("--no-pictures", action="store_true", help="write data only")
+    parser.add_argument("--animation", action="store_true", help="also write motion.gif")
+    parser.epilog = _EXAMPLES
+
+
+def run(args: Namespace) -> int:
+    """Read, differentiate, mount, write."""
+    from kreisel.simulate.trajectories.sampled import SampledTrajectory
+
+    started = time.perf_counter()
+    choice("--to-frame", args.to_frame, tuple(WORLDS))
+    mounts = [parse_mount(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
+    if len({m.name for m in mounts}) < len(mounts):
+        raise ValueError("two IMUs share a name; write --imu NAME:X,Y,Z with different names.")
+    poses = _poses(read_input(args), args.input)
+    trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method)
+    motion = trajectory.sample(_times(trajectory.span, args.rate))
+    lines = write_simulation(
+        Path(args.output),
+        motion,
+        mounts,
+        world=args.to_frame,
+        imu_format=args.imu_format,
+        pictures=not args.no_pictures,
+        animation=args.animation,
+    )
+    span = motion.t[-1] - motion.t[0]
+    print(f"{args.input}: {len(poses)} poses over {span:.4g} s -> {len(motion)} IMU samples, ideal sensor")
+    print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
+    print(f"written in {time.perf_counter() - started:.1f} s:")
+    print(aligned(lines))
+    return 0
+
+
+def parse_mount(text: str, number: int = 0) -> Mount:
+    """The mount that "[NAME:]X,Y,Z[:RX,RY,RZ]" (m, deg) describes."""
+    from kreisel.maths.rotations import matrix_from_euler
+
+    parts = text.split(":")
+    named = bool(parts) and not _is_vector(parts[0])
+    name = parts.pop(0) if named else ("imu" if number == 0 else f"imu{number + 1}")
+    if not 1 <= len(parts) <= 2 or not all(map(_is_vector, parts)) or not name or set(name) & set("/\\"):
+        raise ValueError(f"--imu takes [NAME:]X,Y,Z[:RX,RY,RZ], such as wrist:0.02,0,0.05; got {text!r}.")
+    p_BS, *turn = (np.array([float(x) for x in part.split(",")]) for part in parts)
+    return Mount(p_BS, matrix_from_euler(np.deg2rad(turn[0])) if turn else np.eye(3), name)
+
+
+def _is_vector(text: str) -> bool:
+    try:
+        return len([float(x) for x in text.split(",")]) == 3
+    except ValueError:
+        return False
+
+
+def _poses(data: object, name: str) -> Poses:
+    if isinstance(data, Motion):
+        return Poses(data.t, data.p_NB, data.R_NB, data.v_NB, data.t0_ns, data.name)
+    if not isinstance(data, Poses):
+        raise ValueError(
+            f"{name} holds IMU data; simulate needs poses (positions, with or without attitude)."
+        )
+    return data
+
+
+def _times(span: tuple[float, float], rate: float | None) -> np.ndarray | None:
+    if rate is None:
+        return None
+    if not 0.0 < rate < 1e7:
+        raise ValueError(f"--rate must be a positive number of hertz; got {rate:g}.")
+    # Counted, not accumulated, so that the last step is as long as the first; the half step allows for
+    # round-off in a span that is a whole number of steps.
+    count = int(np.floor((span[1] - span[0]) * rate + 1e-6)) + 1
+    return np.minimum(span[0] + np.arange(count) / rate, span[1])

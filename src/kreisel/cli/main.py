@@ -1,0 +1,115 @@
+"""Turns a command line into a call of one command, and its mistakes into one readable line.
+
+Exit codes: 0 done, 1 bad data, 2 usage, 3 a requested limit was missed, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import os
+import re
+import sys
+from collections.abc import Sequence
+from typing import Any, NoReturn
+
+from kreisel import __version__, discovery
+
+COMMANDS = "kreisel.cli.commands"
+
+_EPILOG = """\
+try it:
+  kreisel demo                            the whole loop on a built-in path
+  kreisel info poses.csv                  what is in a file
+  kreisel simulate poses.csv -o out/      IMU data of your own path
+"""
+
+
+class _Parser(argparse.ArgumentParser):
+    """argparse with one-line errors that suggest the nearest option or command."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings)
+        # "-0.1,0,0" is a lever arm, not an option.
+        self._negative_number_matcher = re.compile(r"^-[.\d].*$")
+
+    def error(self, message: str) -> NoReturn:
+        words = [o for action in self._actions for o in action.option_strings] + self._command_names()
+        typed = [a for a in sys.argv[1:] if a not in words]
+        # A path that happens to resemble an option is no typing mistake: only bare words are compared.
+        near = [
+            f"{a!r} - did you mean {m[0]!r}?"
+            for a in typed
+            if "unrecognized" in message or "invalid choice" in message
+            if (m := difflib.get_close_matches(a.split("=")[0], words, n=1, cutoff=0.7))
+        ]
+        sys.stderr.write(f"{self.prog}: {near[0] if near else message}\nSee: {self.prog} --help\n")
+        raise SystemExit(2)
+
+    def _command_names(self) -> list[str]:
+        return [
+            name
+            for action in self._actions
+            if isinstance(action, argparse._SubParsersAction)
+            for name in action.choices
+        ]
+
+
+def build_parser(only: str | None = None) -> argparse.ArgumentParser:
+    """The command line; with `only`, where it names a command, only that one is imported."""
+    parser = _Parser(
+        prog="kreisel",
+        description="From a trajectory to inertial sensor data, and back to attitude.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"kreisel {__version__}")
+    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for name in discovery.names(COMMANDS):
+        wanted = only == name or only not in discovery.names(COMMANDS)
+        module = discovery.load(COMMANDS, name) if wanted else None
+        line = module.HELP if module else ""
+        sub = subparsers.add_parser(
+            name,
+            help=line,
+            description=line[:1].upper() + line[1:] + ".",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+            allow_abbrev=False,
+        )
+        if module:
+            module.configure(sub)
+            sub.set_defaults(run=module.run)
+    return parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code."""
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    if not arguments:
+        build_parser().print_help()
+        return 2
+    args = build_parser(only=arguments[0]).parse_args(arguments)
+    try:
+        code: int = args.run(args)
+        sys.stdout.flush()
+        return code
+    except KeyboardInterrupt:
+        return _complain("interrupted; nothing half-written was left behind", 130)
+    except BrokenPipeError:
+        # The reader (such as `head`) has gone; what is still in the buffer must not raise at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except OSError as error:
+        named = f"{error.filename}: {error.strerror}" if error.filename and error.strerror else str(error)
+        return _complain(named, 1)
+    except (ValueError, TypeError) as error:
+        return _complain(str(error), 1)
+
+
+def _complain(text: str, code: int) -> int:
+    sys.stderr.write("kreisel: " + " ".join(text.split()) + "\n")
+    return code
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,93 @@
+"""Turns a simulated motion into a folder of files and a short summary that says what is in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kreisel.data.motion import Motion, Mount, Note
+from kreisel.files.doors import write
+from kreisel.simulate.imu import Imu
+
+if TYPE_CHECKING:
+    from kreisel.data.recording import ImuRecording
+
+# Shown of each kind of note; a path with a thousand reversals must not bury the summary.
+_NOTES_SHOWN = 4
+
+
+def write_simulation(
+    folder: Path,
+    motion: Motion,
+    mounts: Sequence[Mount],
+    *,
+    world: str = "enu-flu",
+    imu_format: str = "csv",
+    pictures: bool = True,
+    animation: bool = False,
+) -> list[str]:
+    """Write IMU data, truth and pictures to `folder`; the lines of a summary that names each file."""
+    from kreisel.data.frames import from_enu_flu
+
+    folder.mkdir(parents=True, exist_ok=True)
+    recordings = [Imu(mount).ideal(motion) for mount in mounts]
+    lines = []
+    for recording in recordings:
+        path = folder / f"{recording.name}.{_SUFFIX.get(imu_format, imu_format)}"
+        write(path, from_enu_flu(recording, world), format=imu_format)
+        lines.append(f"{path}  gyroscope (rad/s) and accelerometer (m/s^2), {len(recording)} samples")
+    truth = from_enu_flu(motion, world)
+    write(folder / "truth.tum", truth)
+    lines.append(f"{folder / 'truth.tum'}  position and attitude of the body, as evo and others read it")
+    write(folder / "truth.npz", truth)
+    lines.append(f"{folder / 'truth.npz'}  the whole motion, for numpy.load")
+    if pictures:
+        lines += _draw(folder, motion, mounts, recordings)
+    if animation:
+        from kreisel.show.animation import animate
+
+        animate(motion, mounts, folder / "motion.gif")
+        lines.append(f"{folder / 'motion.gif'}  the body moving along its path")
+    return lines
+
+
+_SUFFIX = {"euroc-imu": "txt"}
+
+
+def _draw(
+    folder: Path, motion: Motion, mounts: Sequence[Mount], recordings: Sequence[ImuRecording]
+) -> list[str]:
+    from kreisel import show
+
+    figures = {
+        "path.png": (show.plot_path(motion, mounts), "the path with the body on it"),
+        "linear.png": (show.plot_linear(motion), "position, velocity, acceleration"),
+        "angular.png": (show.plot_angular(motion), "angles, rates, angular accelerations"),
+    }
+    for recording in recordings:
+        figures[f"{recording.name}.png"] = (show.plot_imu(recording), "what the IMU reads")
+    for name, (figure, _) in figures.items():
+        show.save(figure, folder / name)
+    return [f"{folder / name}  {what}" for name, (_, what) in figures.items()]
+
+
+def describe_notes(notes: Sequence[Note]) -> list[str]:
+    """One line a note; of each kind with times only the first few and how many there are."""
+    lines, seen = [], dict.fromkeys(note.kind for note in notes)
+    for kind in seen:
+        same = [n for n in notes if n.kind == kind]
+        shown = same if kind == "method" else same[:_NOTES_SHOWN]
+        lines += [n.text if n.t is None else f"at {n.t:.6g} s: {n.text}" for n in shown]
+        if len(same) > len(shown):
+            lines.append(
+                f"... and {len(same) - len(shown)} more of this kind, the last at {same[-1].t:.6g} s"
+            )
+    return lines
+
+
+def aligned(lines: Sequence[str]) -> str:
+    """Lines of "name  what" with the second column aligned."""
+    pairs = [line.split("  ", 1) for line in lines]
+    width = max(len(pair[0]) for pair in pairs)
+    return "\n".join(f"  {pair[0]:<{width}}  {pair[-1]}" for pair in pairs)
