@@ -6,7 +6,7 @@
     python3 run.py --with dev,oracle setup     ... with more extras of pyproject.toml (remembered)
 
 Needs Python 3.11 or newer with pip, and nothing else. The first run downloads the dependencies
-(about 500 MB installed); later runs start at once. Delete .venv to start afresh.
+(about 600 MB installed); later runs start at once. Delete .venv to start afresh.
 """
 
 import sys
@@ -142,7 +142,7 @@ def install(extras: list[str]) -> None:
     command = [*installer(), "-e", f"{ROOT}[{','.join(extras)}]"]
     say(f"installing kreisel[{','.join(extras)}] into it (the first time takes a minute or two)")
     started = time.monotonic()
-    call(command, "the installation failed; is there a network?")
+    call(command, "the installation failed, for the reason above (no network?)")
     say(f"installed in {time.monotonic() - started:.0f} s")
 
 
@@ -167,8 +167,12 @@ def runs(command: list[str]) -> bool:
 
 
 def call(command: list[str], failure: str) -> None:
-    if subprocess.run(command, stdin=subprocess.DEVNULL).returncode != 0:
-        raise Failure(f"{failure} ({' '.join(command)})")
+    """Run `command`, whose own words are shown only when it fails."""
+    done = subprocess.run(
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+    if done.returncode != 0:
+        raise Failure(f"{' '.join(command)}\n{done.stdout.rstrip()}\nrun.py: {failure}")
 
 
 def replace_by(command: list[str]) -> int:

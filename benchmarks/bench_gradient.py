@@ -98,7 +98,9 @@ def race(n: int, pairs: int) -> tuple[float, float, float, float]:
 
 def peak_bytes(which: str, n: int) -> float:
     """Peak bytes per sample above inputs and outputs, in a fresh process."""
-    done = subprocess.run([sys.executable, __file__, which, str(n)], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, __file__, which, str(n)], capture_output=True, text=True, check=True
+    )
     return float(done.stdout)
 
 
@@ -119,7 +121,9 @@ def main() -> None:
         plain, fused, ratio, copy = race(n, pairs)
         print(f"{n:10d} {plain:10.0f} {fused:10.1f} {ratio:13.1f} {copy:12.2f}")
     for which in ("fused", "numpy"):
-        print(f"memory above inputs and outputs at 1e7 samples, {which}: {peak_bytes(which, 10_000_000):.0f} B/sample")
+        print(
+            f"memory above inputs and outputs at 1e7 samples, {which}: {peak_bytes(which, 10_000_000):.0f} B/sample"
+        )
 
 
 if __name__ == "__main__":

@@ -26,6 +26,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from kreisel.data.attitude import AttitudeHistory as AttitudeHistory
+    from kreisel.data.attitude import Reference as Reference
     from kreisel.data.environment import Environment as Environment
     from kreisel.data.motion import Motion as Motion
     from kreisel.data.motion import Mount as Mount
@@ -33,12 +35,17 @@ if TYPE_CHECKING:
     from kreisel.data.recording import ImuRecording as ImuRecording
     from kreisel.data.trajectory import Poses as Poses
     from kreisel.data.trajectory import Trajectory as Trajectory
+    from kreisel.files.doors import read as read
+    from kreisel.files.doors import write as write
     from kreisel.simulate.imu import Imu as Imu
+    from kreisel.simulate.trajectories.sampled import SampledTrajectory as SampledTrajectory
 
 __version__ = "0.1.0"
 
 # Public name -> module. Loaded at first use, so that `import kreisel` costs milliseconds.
 _HOMES = {
+    "AttitudeHistory": "kreisel.data.attitude",
+    "Reference": "kreisel.data.attitude",
     "Environment": "kreisel.data.environment",
     "Imu": "kreisel.simulate.imu",
     "ImuRecording": "kreisel.data.recording",
@@ -46,10 +53,13 @@ _HOMES = {
     "Mount": "kreisel.data.motion",
     "Note": "kreisel.data.motion",
     "Poses": "kreisel.data.trajectory",
+    "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
     "Trajectory": "kreisel.data.trajectory",
+    "read": "kreisel.files.doors",
+    "write": "kreisel.files.doors",
 }
 
-__all__ = ["__version__", *sorted(_HOMES)]  # noqa: PLE0604
+__all__ = ["__version__", *sorted(_HOMES)]
 
 
 def __getattr__(name: str) -> Any:

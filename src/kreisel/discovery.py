@@ -1,4 +1,4 @@
-"""Turns a plug-in folder into the list of its plug-ins, and a name into its module: one file is one plug-in."""
+"""Turns a plug-in folder into the list of its plug-ins, and a name into its module; one file, one plug-in."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from types import ModuleType
 
 
 def names(package: str) -> list[str]:
-    """Plug-ins of `package` (dotted, such as "kreisel.files.formats") by file name, without importing them."""
+    """Plug-ins of `package` (such as "kreisel.files.formats") by file name, without importing them."""
     folder = Path(__file__).parent.joinpath(*package.split(".")[1:])
     found = {p.stem for p in folder.glob("*.py")} | {p.parent.name for p in folder.glob("*/__init__.py")}
     return sorted(name for name in found if not name.startswith("_"))

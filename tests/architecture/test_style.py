@@ -41,8 +41,13 @@ def code_lines(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
 
 def public_definitions(module: ast.Module) -> Iterator[Definition]:
     for node in module.body:
-        if isinstance(node, Definition) and not node.name.startswith("_"):
+        if isinstance(node, Definition) and not node.name.startswith("_") and not is_overload(node):
             yield node
+
+
+def is_overload(node: Definition) -> bool:
+    """True for a signature alone, whose docstring stands at the definition that follows."""
+    return any(ast.unparse(decorator).endswith("overload") for decorator in node.decorator_list)
 
 
 @pytest.mark.parametrize("path", FILES, ids=name_of)

@@ -12,6 +12,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+NAMES = [path.stem for path in EXAMPLES]
 PICTURES = {".png", ".svg", ".pdf", ".gif", ".html"}
 NOT_CODE = {
     tokenize.COMMENT,
@@ -37,7 +38,7 @@ def lines_of_code(source: str) -> int:
     return len(lines)
 
 
-@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("example", EXAMPLES, ids=NAMES)
 def test_example_draws_something(example: Path, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, str(example)],
@@ -51,6 +52,6 @@ def test_example_draws_something(example: Path, tmp_path: Path) -> None:
     assert pictures, f"{example.name} wrote no picture into the folder it ran in"
 
 
-@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("example", EXAMPLES, ids=NAMES)
 def test_example_is_short(example: Path) -> None:
     assert lines_of_code(example.read_text(encoding="utf-8")) < 40

@@ -56,7 +56,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def build_parser(only: str | None = None) -> argparse.ArgumentParser:
-    """The command line; with `only`, just that command's arguments are filled in (the others are not imported)."""
+    """The command line; with `only`, where it names a command, only that one is imported."""
     parser = _Parser(
         prog="kreisel",
         description="From a trajectory to inertial sensor data, and back to attitude.",
@@ -66,12 +66,15 @@ def build_parser(only: str | None = None) -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"kreisel {__version__}")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name in discovery.names(COMMANDS):
-        wanted = only is None or only == name or only not in discovery.names(COMMANDS)
+        wanted = only == name or only not in discovery.names(COMMANDS)
         module = discovery.load(COMMANDS, name) if wanted else None
-        line = module.HELP if module else None
-        described = {"help": line, "description": (line[0].upper() + line[1:] + ".") if line else None}
+        line = module.HELP if module else ""
         sub = subparsers.add_parser(
-            name, **described, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False
+            name,
+            help=line,
+            description=line[:1].upper() + line[1:] + ".",
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+            allow_abbrev=False,
         )
         if module:
             module.configure(sub)

@@ -58,17 +58,17 @@ _SUFFIX = {"euroc-imu": "txt"}
 def _draw(
     folder: Path, motion: Motion, mounts: Sequence[Mount], recordings: Sequence[ImuRecording]
 ) -> list[str]:
-    from kreisel.show import plots
+    from kreisel import show
 
     figures = {
-        "path.png": (plots.plot_path(motion, mounts), "the path with the body on it"),
-        "linear.png": (plots.plot_linear(motion), "position, velocity, acceleration"),
-        "angular.png": (plots.plot_angular(motion), "angles, rates, angular accelerations"),
+        "path.png": (show.plot_path(motion, mounts), "the path with the body on it"),
+        "linear.png": (show.plot_linear(motion), "position, velocity, acceleration"),
+        "angular.png": (show.plot_angular(motion), "angles, rates, angular accelerations"),
     }
     for recording in recordings:
-        figures[f"{recording.name}.png"] = (plots.plot_imu(recording), "what the IMU reads")
+        figures[f"{recording.name}.png"] = (show.plot_imu(recording), "what the IMU reads")
     for name, (figure, _) in figures.items():
-        plots.save(figure, folder / name)
+        show.save(figure, folder / name)
     return [f"{folder / name}  {what}" for name, (_, what) in figures.items()]
 
 

@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.maths.rotations import rotation_defect
+
 Array = npt.NDArray[np.float64]
 """float64 array; its shape, unit and frame are in the comment beside it."""
 
@@ -92,16 +94,12 @@ def rotations(name: str, R: Array, tolerance: float = 1e-6) -> Array:
     The tolerance lets six printed digits pass and refuses anything that was scaled, sheared or mirrored.
     """
     finite(name, R)
-    flat = R.reshape(-1, 3, 3)
-    gram = np.einsum("nij,nik->njk", flat, flat) - np.eye(3)
-    worst = np.abs(gram).max(axis=(1, 2), initial=0.0)
-    mirrored = np.linalg.det(flat) < 0.0
-    bad = (worst > tolerance) | mirrored
+    defect = rotation_defect(R.reshape(-1, 3, 3))
+    bad = defect > tolerance
     if bad.any():
         k = int(np.argmax(bad))
-        why = (
-            "it mirrors (determinant -1)" if mirrored[k] else f"R^T R differs from identity by {worst[k]:.2g}"
-        )
+        mirrored = np.linalg.det(R.reshape(-1, 3, 3)[k]) < 0.0
+        why = "it mirrors (determinant -1)" if mirrored else f"R^T R differs from identity by {defect[k]:.2g}"
         where = f" at row {k}" if R.ndim > 2 else ""
         raise ValueError(f"{name} must hold rotation matrices{where}; {why}.")
     return R
@@ -130,6 +128,7 @@ def choice(name: str, value: Any, options: Sequence[str]) -> str:
         return str(value)
     import difflib
 
-    near = difflib.get_close_matches(str(value), options, n=1)
+    begun = [option for option in options if value and option.startswith(str(value))]
+    near = begun or difflib.get_close_matches(str(value), options, n=1)
     hint = f" Did you mean {near[0]!r}?" if near else ""
     raise ValueError(f"{name} must be one of {', '.join(map(repr, options))}; got {value!r}.{hint}")

@@ -221,7 +221,11 @@ def _matrices(phi: Array, matrix: Array, m: int) -> None:
     for k in range(m):
         sx, sy, sz = sine[k], sine[ROW + k], sine[2 * ROW + k]
         cx, cy, cz = cosine[k], cosine[ROW + k], cosine[2 * ROW + k]
-        matrix[k], matrix[ROW + k], matrix[2 * ROW + k] = cz * cy, cz * sy * sx - sz * cx, cz * sy * cx + sz * sx
+        matrix[k], matrix[ROW + k], matrix[2 * ROW + k] = (
+            cz * cy,
+            cz * sy * sx - sz * cx,
+            cz * sy * cx + sz * sx,
+        )
         matrix[3 * ROW + k], matrix[4 * ROW + k] = sz * cy, sz * sy * sx + cz * cx
         matrix[5 * ROW + k] = sz * sy * cx - cz * sx
         matrix[6 * ROW + k], matrix[7 * ROW + k], matrix[8 * ROW + k] = -sy, cy * sx, cy * cx

@@ -7,14 +7,27 @@ bit-identical, NaN keeps its meaning), IEEE division, no Python exceptions, GIL 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar
+from typing import TypeVar, cast
 
 import numba
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
 
 _F = TypeVar("_F", bound=Callable[..., object])
 
 
 def kernel(function: _F) -> _F:
     """Compile `function` at its first call; the machine code is cached on disk."""
-    compiled: _F = numba.njit(cache=True, fastmath=False, nogil=True, error_model="numpy")(function)
-    return compiled
+    return cast(_F, numba.njit(cache=True, fastmath=False, nogil=True, error_model="numpy")(function))
+
+
+def argument(x: npt.ArrayLike) -> Array:
+    """`x` as kernels take their inputs: contiguous, float64, read-only whoever made it.
+
+    numba compiles writable and read-only arrays apart; with one kind there is one compilation.
+    """
+    view = np.ascontiguousarray(x, dtype=np.float64).view()
+    view.flags.writeable = False
+    return view

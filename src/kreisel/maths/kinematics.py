@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.maths.kernels import kernel
+from kreisel.maths.kernels import argument, kernel
 
 Array = npt.NDArray[np.float64]
 
@@ -29,11 +29,11 @@ def acceleration_at(p_BS: Array, R_NB: Array, omega_NB_B: Array, alpha_NB_B: Arr
 
 def specific_force(a_NB: Array, R_NB: Array, g_N: Array) -> Array:
     """Specific force (n, 3) in B: R_NB^T (a_NB - g_N); +g up at rest. Source: eq. (9), term a_S."""
-    return np.einsum("nji,nj->ni", R_NB, a_NB - g_N)
+    return np.asarray(np.einsum("nji,nj->ni", R_NB, a_NB - g_N))
 
 
 def _to_N(R_NB: Array, v_B: Array) -> Array:
-    return np.einsum("nij,nj->ni", R_NB, v_B)
+    return np.asarray(np.einsum("nij,nj->ni", R_NB, v_B))
 
 
 def euler_motion(phi: Array, dphi: Array, ddphi: Array) -> tuple[Array, Array, Array]:
@@ -43,8 +43,8 @@ def euler_motion(phi: Array, dphi: Array, ddphi: Array) -> tuple[Array, Array, A
     written out because R^T dR/dt for z-y-x angles has three terms a component.
     """
     R = np.empty((len(phi), 3, 3))
-    omega, alpha = np.empty_like(phi), np.empty_like(phi)
-    _euler_motion(phi, dphi, ddphi, R, omega, alpha)
+    omega, alpha = np.empty((len(phi), 3)), np.empty((len(phi), 3))
+    _euler_motion(argument(phi), argument(dphi), argument(ddphi), R, omega, alpha)
     return R, omega, alpha
 
 
@@ -76,7 +76,7 @@ def quaternion_motion(q: Array, dq: Array, ddq: Array) -> tuple[Array, Array, Ar
     """
     R = np.empty((len(q), 3, 3))
     omega, alpha = np.empty((len(q), 3)), np.empty((len(q), 3))
-    _quaternion_motion(q, dq, ddq, R, omega, alpha)
+    _quaternion_motion(argument(q), argument(dq), argument(ddq), R, omega, alpha)
     return R, omega, alpha
 
 

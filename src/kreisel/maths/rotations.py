@@ -9,6 +9,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.maths.kernels import argument, kernel
+
 Array = npt.NDArray[np.float64]
 
 # Below this angle (rad) the series of exp_so3 and log_so3 are exact to the last bit: the first
@@ -63,26 +65,42 @@ def quat_wxyz_from_matrix(R: Array) -> Array:
     (Shepperd 1978).
     """
     R = np.asarray(R, dtype=np.float64)
-    a, b, c = R[..., 0, 0], R[..., 1, 1], R[..., 2, 2]
-    # Rows of four times the outer product q q^T, of which the one with the largest diagonal is kept.
-    p, q, r = R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]
-    u, v, w = R[..., 0, 1] + R[..., 1, 0], R[..., 0, 2] + R[..., 2, 0], R[..., 1, 2] + R[..., 2, 1]
-    outer = _matrix(
-        (1 + a + b + c, p, q, r), (p, 1 + a - b - c, u, v), (q, u, 1 - a + b - c, w), (r, v, w, 1 - a - b + c)
-    )
-    largest = np.argmax(np.einsum("...ii->...i", outer), axis=-1)
-    quat = np.take_along_axis(outer, largest[..., None, None], axis=-2)[..., 0, :]
-    quat = quat / np.linalg.norm(quat, axis=-1, keepdims=True)
-    quat = np.where(quat[..., :1] < 0.0, -quat, quat)
+    flat = argument(R.reshape(-1, 3, 3))
+    quat = np.empty((len(flat), 4))
+    _quat_wxyz_from_matrix(flat, quat)
+    quat = quat.reshape((*R.shape[:-2], 4))
     return continuous_signs(quat) if quat.ndim > 1 else quat
+
+
+@kernel
+def _quat_wxyz_from_matrix(R: Array, quat: Array) -> None:
+    for k in range(R.shape[0]):
+        a, b, c = R[k, 0, 0], R[k, 1, 1], R[k, 2, 2]
+        p, q, r = R[k, 2, 1] - R[k, 1, 2], R[k, 0, 2] - R[k, 2, 0], R[k, 1, 0] - R[k, 0, 1]
+        u, v, n = R[k, 0, 1] + R[k, 1, 0], R[k, 0, 2] + R[k, 2, 0], R[k, 1, 2] + R[k, 2, 1]
+        # One row of 4 q q^T, chosen by its diagonal.
+        if a + b + c >= max(a, b, c):
+            w, x, y, z = 1.0 + a + b + c, p, q, r
+        elif a >= b and a >= c:
+            w, x, y, z = p, 1.0 + a - b - c, u, v
+        elif b >= c:
+            w, x, y, z = q, u, 1.0 - a + b - c, n
+        else:
+            w, x, y, z = r, v, n, 1.0 - a - b + c
+        scale = 1.0 / np.sqrt(w * w + x * x + y * y + z * z)
+        if w < 0.0:
+            scale = -scale
+        quat[k, 0], quat[k, 1], quat[k, 2], quat[k, 3] = scale * w, scale * x, scale * y, scale * z
 
 
 def continuous_signs(q: Array) -> Array:
     """Quaternions (..., n, 4) with signs flipped so that neighbours along n lie in one hemisphere."""
-    q = np.asarray(q, dtype=np.float64)
-    turns = np.where(np.sum(q[..., 1:, :] * q[..., :-1, :], axis=-1) < 0.0, -1.0, 1.0)
-    signs = np.concatenate([np.ones_like(q[..., :1, 0]), np.cumprod(turns, axis=-1)], axis=-1)
-    return np.asarray(q * signs[..., None])
+    turns = np.einsum("...i,...i->...", q[..., 1:, :], q[..., :-1, :]) < 0.0
+    # An odd number of turns so far means that this row has to be flipped.
+    flipped = np.logical_xor.accumulate(turns, axis=-1)
+    signed = np.array(q, dtype=np.float64)
+    np.negative(signed[..., 1:, :], out=signed[..., 1:, :], where=flipped[..., None])
+    return signed
 
 
 def exp_so3(rotvec: Array) -> Array:
@@ -126,3 +144,26 @@ def skew(v: Array) -> Array:
 
 def _matrix(*rows: tuple[Array, ...]) -> Array:
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def rotation_defect(R: Array) -> Array:
+    """Largest element (n,) of |R^T R - 1| for finite R (n, 3, 3); 2 where R mirrors."""
+    defect = np.empty(len(R))
+    _rotation_defect(argument(R), defect)
+    return defect
+
+
+@kernel
+def _rotation_defect(R: Array, defect: Array) -> None:
+    for k in range(R.shape[0]):
+        worst = 0.0
+        for i in range(3):
+            for j in range(i, 3):
+                dot = R[k, 0, i] * R[k, 0, j] + R[k, 1, i] * R[k, 1, j] + R[k, 2, i] * R[k, 2, j]
+                off = abs(dot - 1.0) if i == j else abs(dot)
+                worst = max(worst, off)
+        x = R[k, 1, 0] * R[k, 2, 1] - R[k, 2, 0] * R[k, 1, 1]
+        y = R[k, 2, 0] * R[k, 0, 1] - R[k, 0, 0] * R[k, 2, 1]
+        z = R[k, 0, 0] * R[k, 1, 1] - R[k, 1, 0] * R[k, 0, 1]
+        mirrored = x * R[k, 0, 2] + y * R[k, 1, 2] + z * R[k, 2, 2] < 0.0
+        defect[k] = 2.0 if mirrored else worst

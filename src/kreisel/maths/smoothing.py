@@ -18,6 +18,8 @@ from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.optimize import minimize, minimize_scalar
 from scipy.sparse import csr_array, diags_array, eye_array
 
+from kreisel.maths.derivatives import SplineSignal
+
 Array = npt.NDArray[np.float64]
 
 ORDER = 5
@@ -39,13 +41,14 @@ _STRETCHES, _STRETCH = 4, 4096
 
 @dataclass(frozen=True, slots=True)
 class SmoothSignal:
-    """Columns of a signal as splines of time, callable like a BSpline: `signal(t, derivative)` -> (n, c)."""
+    """Columns of a signal as splines of time."""
 
-    splines: tuple[BSpline, ...]
+    splines: tuple[SplineSignal, ...]
     sigma: Array  # (c,) standard deviation of the noise taken out, in the unit of the samples
 
-    def __call__(self, t: Array, nu: int = 0) -> Array:
-        return np.concatenate([spline(t, nu) for spline in self.splines], axis=1)
+    def __call__(self, t: Array, order: int) -> Array:
+        """(order + 1, n, c): value and derivatives at increasing times t (n,)."""
+        return np.concatenate([spline(t, order) for spline in self.splines], axis=2)
 
 
 def smoothing_spline(t: Array, x: Array, *, rate: Array | None = None, shared: bool = False) -> SmoothSignal:
@@ -56,7 +59,7 @@ def smoothing_spline(t: Array, x: Array, *, rate: Array | None = None, shared: b
     """
     groups = [slice(None)] if shared else [slice(c, c + 1) for c in range(x.shape[1])]
     fits = [_fit(t, x[:, g], None if rate is None else rate[:, g]) for g in groups]
-    return SmoothSignal(tuple(f[0] for f in fits), np.concatenate([f[1] for f in fits]))
+    return SmoothSignal(tuple(SplineSignal(f[0]) for f in fits), np.concatenate([f[1] for f in fits]))
 
 
 def _fit(t: Array, x: Array, rate: Array | None) -> tuple[BSpline, Array]:
@@ -92,7 +95,7 @@ def _most_likely(t: Array, x: Array, rate: Array | None, spacing: float) -> tupl
         )
         return float(best.x[0]), float(best.x[1])
     grid = np.arange(_LOWEST, _HIGHEST + 0.5)
-    # The likelihood can have a second optimum where a tone sits above the motion: start from the best of a grid.
+    # There can be a second optimum where a tone sits above the motion: start from the best of a grid.
     near = grid[int(np.argmin([cost(g) for g in grid]))]
     bounds = (max(near - 1.0, _LOWEST), min(near + 1.0, _HIGHEST))
     return float(minimize_scalar(cost, bounds=bounds, method="bounded", options={"xatol": 0.02}).x), 0.0
@@ -136,7 +139,7 @@ class _System:
         return len(self.knots) - DEGREE - 1
 
     def solve(self, penalty: float, weight: float) -> _Solution:
-        """Spline coefficients for a penalty and a weight of squared rate residuals against squared residuals."""
+        """Best spline for a penalty and a weight of squared residuals of rates against those of values."""
         matrix, moments = self.gram + penalty * self.penalty, self.moments
         if self.rate is not None:
             matrix, moments = matrix + weight * self.rate_gram, moments + weight * self.rate_moments

@@ -1,1 +1,38 @@
-"""Draws what was computed and computes nothing."""
+"""Draws what was computed and computes nothing: figures and animations, made without a display.
+
+Names are loaded at first use, so that importing this package does not load matplotlib.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from kreisel.show.animation import animate as animate
+    from kreisel.show.path import plot_path as plot_path
+    from kreisel.show.plots import plot_angular as plot_angular
+    from kreisel.show.plots import plot_imu as plot_imu
+    from kreisel.show.plots import plot_linear as plot_linear
+    from kreisel.show.saving import save as save
+
+_HOMES = {
+    "animate": "kreisel.show.animation",
+    "plot_angular": "kreisel.show.plots",
+    "plot_imu": "kreisel.show.plots",
+    "plot_linear": "kreisel.show.plots",
+    "plot_path": "kreisel.show.path",
+    "save": "kreisel.show.saving",
+}
+
+__all__ = sorted(_HOMES)
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        return getattr(import_module(_HOMES[name]), name)
+    raise AttributeError(f"module 'kreisel.show' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_HOMES])

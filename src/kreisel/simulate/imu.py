@@ -18,7 +18,7 @@ class Imu:
     environment: Environment = field(default_factory=Environment)
 
     def ideal(self, motion: Motion) -> ImuRecording:
-        """What a perfect IMU at the mount reads: angular rate and specific force in S, at the times of `motion`.
+        """What a perfect IMU at the mount reads at the times of `motion`.
 
         Source: document 000, eq. (9), with the specific force R_SN (a_N - g_N) for its a_S.
         """

@@ -22,7 +22,12 @@ from kreisel.data.motion import Motion, Note
 from kreisel.data.trajectory import Poses
 from kreisel.maths.derivatives import SECOND_DERIVATIVE_GAIN, Signal, interpolating_spline, noise_level
 from kreisel.maths.kinematics import quaternion_motion
-from kreisel.maths.rotations import matrix_from_euler, matrix_from_quat_wxyz, quat_wxyz_from_matrix
+from kreisel.maths.rotations import (
+    continuous_signs,
+    matrix_from_euler,
+    matrix_from_quat_wxyz,
+    quat_wxyz_from_matrix,
+)
 
 METHODS = ("auto", "spline", "smooth", "gradient")
 
@@ -76,7 +81,7 @@ class SampledTrajectory:
         if isinstance(self.orientation, str):
             choice("orientation", self.orientation, ("tangent", "transport"))
         else:
-            put(self, "orientation", _matrices(self.orientation, self.order))
+            put(self, "orientation", _quaternions(self.orientation, self.order))
             same_length(self.t, orientation=self.orientation)
 
     @classmethod
@@ -104,9 +109,9 @@ class SampledTrajectory:
             R, omega, alpha, notes = _along_path(position, times, self.orientation, self.t)
         else:
             attitude, attitude_note = self._attitude
-            R, omega, alpha = quaternion_motion(*(attitude(times, k) for k in range(3)))
+            R, omega, alpha = quaternion_motion(*attitude(times, 2))
             notes = (attitude_note,)
-        p, v, a = (position(times, k) for k in range(3))
+        p, v, a = position(times, 2)
         return Motion(times, p, v, a, R, omega, alpha, self.t0_ns, self.name, (position_note, *notes))
 
     def _inside(self, times: Array) -> None:
@@ -126,7 +131,7 @@ class SampledTrajectory:
     @cached_property
     def _attitude(self) -> tuple[Signal, Note]:
         # Sign-continuous quaternions have no wraps, and their noise is the same in every component.
-        return self._signal("attitude", "", quat_wxyz_from_matrix(self.orientation), shared=True)
+        return self._signal("attitude", "", self.orientation, shared=True)
 
     def _signal(
         self, what: str, unit: str, x: Array, rate: Array | None = None, shared: bool = False
@@ -156,7 +161,10 @@ class SampledTrajectory:
             )
         v = gradient(self.position, self.t)
         a = gradient(v, self.t)
-        R = _tangents(v, self.t) if isinstance(self.orientation, str) else self.orientation
+        if isinstance(self.orientation, str):
+            R = _tangents(v, self.orientation)
+        else:
+            R = matrix_from_quat_wxyz(self.orientation)
         omega, alpha = gradient_rotation(self.t, R)
         note = Note("method", "central differences at the samples, as MATLAB's gradient")
         return Motion(times, self.position, v, a, R, omega, alpha, self.t0_ns, self.name, (note,))
@@ -171,16 +179,17 @@ def example() -> SampledTrajectory:
     )
 
 
-def _matrices(orientation: Any, order: str | None) -> Array:
-    """R_NB (n, 3, 3) from any of the descriptions of attitude a user may hold."""
+def _quaternions(orientation: Any, order: str | None) -> Array:
+    """Sign-continuous q_NB_wxyz (n, 4) from any of the descriptions of attitude a user may hold."""
     if hasattr(orientation, "as_matrix"):
         orientation = orientation.as_matrix()
     shape = np.shape(orientation)
     if shape[1:] == (3, 3):
         R = rotations("orientation", shaped("orientation", orientation, ("n", 3, 3)))
-        return matrix_from_quat_wxyz(quat_wxyz_from_matrix(R))
+        return quat_wxyz_from_matrix(R)
     if shape[1:] == (3,):
-        return matrix_from_euler(finite("orientation", shaped("orientation", orientation, ("n", 3))))
+        phi = finite("orientation", shaped("orientation", orientation, ("n", 3)))
+        return quat_wxyz_from_matrix(matrix_from_euler(phi))
     if shape[1:] == (4,):
         if order not in ("wxyz", "xyzw"):
             raise ValueError(
@@ -188,11 +197,26 @@ def _matrices(orientation: Any, order: str | None) -> Array:
                 "ROS, TUM files and SciPy write xyzw; MATLAB, EuRoC and Eigen's constructor wxyz."
             )
         q = unit_quaternions("orientation", shaped("orientation", orientation, ("n", 4)))
-        return matrix_from_quat_wxyz(q if order == "wxyz" else q[:, [3, 0, 1, 2]])
+        return continuous_signs(q if order == "wxyz" else q[:, [3, 0, 1, 2]])
     raise ValueError(
         "orientation must be Euler angles (n, 3), quaternions (n, 4), matrices (n, 3, 3), a SciPy Rotation, "
         f'"tangent" or "transport"; got shape {shape}.'
     )
+
+
+def _tangents(v: Array, orientation: str) -> Array:
+    """R_NB (n, 3, 3) by eqs. (10)-(13); a row at rest keeps the last direction, or has the first to come."""
+    if orientation == "transport":
+        raise ValueError(
+            'the MATLAB scheme knows orientation "tangent" only; use method="spline" for "transport".'
+        )
+    moving = np.flatnonzero(np.any(v != 0.0, axis=1))
+    if moving.size == 0:
+        return np.tile(np.eye(3), (len(v), 1, 1))
+    last = np.searchsorted(moving, np.arange(len(v)), side="right") - 1
+    v = v[moving[np.maximum(last, 0)]]
+    phi_y = -np.arctan2(v[:, 2], np.hypot(v[:, 0], v[:, 1]))
+    return matrix_from_euler(np.stack([np.zeros(len(v)), phi_y, np.arctan2(v[:, 1], v[:, 0])], axis=1))
 
 
 def _readable(level: float, unit: str) -> str:

@@ -1,0 +1,46 @@
+"""Turns one file into another: format, units, columns and world, as `kreisel convert`."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+from kreisel.cli.inputs import add_input_arguments, read_input
+from kreisel.data.checks import choice
+from kreisel.data.frames import WORLDS, from_enu_flu
+from kreisel.files.doors import format_names, write
+
+HELP = "a file in another format, other units or another world"
+
+_EXAMPLES = """\
+examples:
+  kreisel convert flight.csv flight.tum
+  kreisel convert log.txt imu.csv --frame ned-frd
+  kreisel convert mocap.csv poses.csv --column t='Time [ms]' --column p_x='X [mm]' \\
+      --column p_y='Y [mm]' --column p_z='Z [mm]'
+  kreisel convert 00.txt 00.tum --from kitti --times times.txt
+"""
+
+
+def configure(parser: ArgumentParser) -> None:
+    """Add the command's arguments."""
+    add_input_arguments(parser)
+    parser.add_argument("output", metavar="OUT", help="file to write; its suffix tells the format")
+    parser.add_argument("--to", metavar="FORMAT", help=f"format of the output: {', '.join(format_names())}")
+    parser.add_argument(
+        "--to-frame",
+        default="enu-flu",
+        metavar="WORLD",
+        help=f"world of the output: {', '.join(WORLDS)} (default: enu-flu)",
+    )
+    parser.epilog = _EXAMPLES
+
+
+def run(args: Namespace) -> int:
+    """Read, turn, write."""
+    choice("--to-frame", args.to_frame, tuple(WORLDS))
+    data = from_enu_flu(read_input(args), args.to_frame)
+    write(Path(args.output), data, args.to)
+    span = data.t[-1] - data.t[0]
+    print(f"{args.output}: {len(data)} rows over {span:.6g} s")
+    return 0

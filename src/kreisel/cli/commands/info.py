@@ -1,0 +1,117 @@
+"""Turns files into a short report of what they hold: `kreisel info`."""
+
+from __future__ import annotations
+
+import json
+import math
+from argparse import ArgumentParser, Namespace
+from dataclasses import asdict
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import Any
+
+from kreisel.cli.inputs import add_input_arguments, read_input
+from kreisel.data.facts import Clock, Facts, facts
+
+HELP = "what is in a file: rate, span, gaps, plausible units"
+
+_GAPS_SHOWN = 3
+
+_NOUNS = {"Poses": "poses", "Motion": "complete motion", "ImuRecording": "IMU recording"}
+
+
+def configure(parser: ArgumentParser) -> None:
+    """Add the command's arguments."""
+    add_input_arguments(parser, many=True)
+    parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
+
+
+def run(args: Namespace) -> int:
+    """Report on every file; the first that cannot be read ends the command."""
+    found = [(path, facts(read_input(args, path))) for path in args.input]
+    if args.json:
+        files = [_as_json(path, what) for path, what in found]
+        print(json.dumps({"schema": "kreisel.info/1", "files": files}, indent=2))
+    else:
+        print("\n\n".join("\n".join(_report(path, what)) for path, what in found))
+    return 0
+
+
+def _as_json(path: str, what: Facts) -> dict[str, Any]:
+    clock = asdict(what.clock) | {"rate_hz": what.clock.rate_hz}
+    # JSON knows no NaN: one row has no rate, a sensor that never answered no median.
+    return {
+        "file": path,
+        "noun": what.noun,
+        "holds": what.holds,
+        "clock": {name: _finite(value) for name, value in clock.items()},
+        "numbers": {name: _finite(value) for name, value in what.numbers.items()},
+        "doubts": what.doubts,
+    }
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _report(path: str, what: Facts) -> list[str]:
+    clock = what.clock
+    rows = [
+        ("what", f"{_NOUNS[what.noun]}: {', '.join(what.holds)}"),
+        ("rows", f"{clock.rows} over {clock.span:.6g} s"),
+        ("start", _start(clock)),
+        ("rate", _rate(clock)),
+        ("gaps", _gaps(clock)),
+        *_numbers(what.numbers),
+        *(("look", doubt) for doubt in what.doubts),
+    ]
+    width = max(len(name) for name, _ in rows)
+    return [str(Path(path)), *(f"  {name:<{width}}  {text}" for name, text in rows)]
+
+
+def _start(clock: Clock) -> str:
+    if clock.t0_ns == 0:
+        return f"t = {clock.start:.6g} s, no epoch"
+    ns = clock.t0_ns + round(clock.start * 1e9)
+    try:
+        moment = datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=ns // 10**9)
+    except OverflowError:
+        return f"{ns} ns"
+    return f"{ns} ns, {moment:%Y-%m-%d %H:%M:%S} UTC if counted from 1970"
+
+
+def _rate(clock: Clock) -> str:
+    if clock.rows < 2:
+        return "one row only"
+    return f"{clock.rate_hz:.6g} Hz (median step {_time(clock.step)}, jitter {_time(clock.jitter)})"
+
+
+def _time(seconds: float) -> str:
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)):
+        if seconds >= size:
+            return f"{seconds / size:.4g} {unit}"
+    return f"{seconds / 1e-9:.3g} ns"
+
+
+def _gaps(clock: Clock) -> str:
+    if not clock.gaps:
+        return "none"
+    longest = sorted(clock.gaps, key=lambda gap: -gap.length)[:_GAPS_SHOWN]
+    listed = ", ".join(f"{_time(gap.length)} after t = {gap.t:.6g} s" for gap in longest)
+    return f"{len(clock.gaps)}; {'the longest: ' if len(clock.gaps) > 1 else ''}{listed}"
+
+
+def _numbers(numbers: dict[str, float]) -> list[tuple[str, str]]:
+    """Pairs of (name, value with unit), the three extents on one line."""
+    rows = []
+    if "extent x m" in numbers:
+        rows.append(("extent", " x ".join(f"{numbers[f'extent {axis} m']:.4g}" for axis in "xyz") + " m"))
+    for name, value in numbers.items():
+        if name.startswith("extent"):
+            continue
+        head, _, unit = name.rpartition(" ")
+        if "/" in unit or unit in ("m", "uT"):
+            rows.append((head, f"{value:.4g} {unit}"))
+        else:
+            rows.append((name, f"{value:.0f}" if value.is_integer() else f"{value:.4g}"))
+    return rows

@@ -1,0 +1,70 @@
+"""Turns the arguments that say how to read a file into the noun in it, in our axes."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
+from pathlib import Path
+
+from kreisel.data.checks import choice
+from kreisel.data.frames import WORLDS, to_enu_flu
+from kreisel.files.doors import format_names, read
+from kreisel.files.formats import Noun
+
+
+def add_input_arguments(parser: ArgumentParser, many: bool = False) -> None:
+    """`input` (a list with `many`), --from, --frame, --column, --input-rate and --times."""
+    if many:
+        parser.add_argument("input", nargs="+", metavar="FILE", help="files to read")
+    else:
+        parser.add_argument("input", metavar="IN", help="file to read")
+    parser.add_argument(
+        "--from",
+        dest="from_format",
+        metavar="FORMAT",
+        help=f"format of the input, where suffix and content do not tell: {', '.join(format_names())}",
+    )
+    parser.add_argument(
+        "--frame",
+        default="enu-flu",
+        metavar="WORLD",
+        help=f"world of the input: {', '.join(WORLDS)} (default: enu-flu)",
+    )
+    parser.add_argument(
+        "--column",
+        action="append",
+        metavar="NAME=HEADER",
+        help="a column of a foreign csv, with its unit where the header has none: --column t='Time [ms]', "
+        "--column p_x='X [mm]', --column p_y='#3 [mm]' for the third; may be given several times",
+    )
+    parser.add_argument("--input-rate", type=float, metavar="HZ", help="rate of an input that holds no time")
+    parser.add_argument("--times", metavar="FILE", help="stamps in s, one a line, for an input without time")
+
+
+def read_input(args: Namespace, path: str | None = None, kind: str | None = None) -> Noun:
+    """What `args.input`, or `path` in its place, holds: in ENU/FLU, SI units and radians.
+
+    kind : "poses", "motion" or "imu" to insist on one, as `kreisel.read` has it.
+    """
+    choice("--frame", args.frame, tuple(WORLDS))
+    data = read(
+        Path(args.input if path is None else path),
+        args.from_format,
+        kind=kind,
+        columns=parse_columns(args.column),
+        rate_hz=args.input_rate,
+        times=args.times,
+    )
+    return to_enu_flu(data, args.frame)
+
+
+def parse_columns(pairs: Sequence[str] | None) -> dict[str, str] | None:
+    """{"t": "Time [ms]"} from ["t=Time [ms]"]; None from nothing."""
+    if not pairs:
+        return None
+    columns = dict(pair.partition("=")[::2] for pair in pairs)
+    for pair in pairs:
+        name, _, header = pair.partition("=")
+        if not name.strip() or not header.strip():
+            raise ValueError(f"--column takes NAME=HEADER, such as --column t='Time [ms]'; got {pair!r}.")
+    return {name.strip(): header.strip() for name, header in columns.items()}

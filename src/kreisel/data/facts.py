@@ -1,0 +1,190 @@
+"""Turns any noun into plain facts about it: rows, rate, gaps, extent, and what its units look like."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from kreisel.data.checks import Array
+from kreisel.data.motion import Motion
+from kreisel.data.recording import ImuRecording
+from kreisel.data.trajectory import Poses
+from kreisel.maths.rotations import log_so3
+
+# A lost sample doubles one step; jitter of real clocks stays well below half a step.
+_GAP = 1.5
+
+# rad/s; 2000 deg/s is the widest range of common gyros.
+_FASTEST_GYRO = 35.0
+
+_GAUSS_IN_UT = 100.0
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """A step in time long enough for samples to be missing."""
+
+    t: float  # s, of the last sample before it
+    length: float  # s
+
+
+@dataclass(frozen=True, slots=True)
+class Clock:
+    """The time axis of a noun."""
+
+    rows: int
+    t0_ns: int
+    start: float  # s
+    span: float  # s
+    step: float  # s, median; nan for one row
+    jitter: float  # s, standard deviation of the steps that are no gaps
+    gaps: tuple[Gap, ...]
+
+    @property
+    def rate_hz(self) -> float:
+        """Samples per second, by the median step."""
+        return 1.0 / self.step
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What a noun holds, its numbers in SI units, and sentences about what looks odd."""
+
+    noun: str  # "Poses", "Motion" or "ImuRecording"
+    clock: Clock
+    holds: tuple[str, ...]
+    numbers: dict[str, float] = field(default_factory=dict)  # name with unit -> value
+    doubts: tuple[str, ...] = ()
+
+
+def facts(data: Poses | Motion | ImuRecording) -> Facts:
+    """Facts about `data`; nothing is changed and nothing refused."""
+    clock = clock_of(data.t, data.t0_ns)
+    if isinstance(data, ImuRecording):
+        return Facts("ImuRecording", clock, _imu_contents(data), _imu_numbers(data), tuple(unit_doubts(data)))
+    contents = ["position"]
+    contents += ["attitude"] if data.R_NB is not None else []
+    contents += ["velocity"] if data.v_NB is not None else []
+    contents += ["accelerations and rates"] if isinstance(data, Motion) else []
+    numbers = _pose_numbers(data)
+    return Facts(type(data).__name__, clock, tuple(contents), numbers, tuple(_pose_doubts(data, numbers)))
+
+
+def clock_of(t: Array, t0_ns: int) -> Clock:
+    """Rate, jitter and gaps of stamps `t` (n,) s."""
+    steps = np.diff(t)
+    step = float(np.median(steps)) if steps.size else float("nan")
+    long = steps > _GAP * step
+    jitter = float(np.std(steps[~long])) if steps.size else float("nan")
+    gaps = tuple(Gap(float(t[k]), float(steps[k])) for k in np.flatnonzero(long))
+    return Clock(len(t), t0_ns, float(t[0]), float(t[-1] - t[0]), step, jitter, gaps)
+
+
+def unit_doubts(recording: ImuRecording) -> list[str]:
+    """Sentences about units and axes that cannot be right, each naming the likely one; empty if none."""
+    doubts = []
+    force = _median_norm(recording.accel)
+    for unit, one in (("g", 1.0), ("mg or cm/s^2", 1e3)):
+        # Rest or ordinary movement keeps the median within a quarter of gravity.
+        if 0.75 * one < force < 1.25 * one:
+            doubts.append(
+                f"the accelerometer's median is {force:.4g}: it looks like {unit}, where m/s^2 is expected."
+            )
+    fastest = _largest_norm(recording.gyro)
+    if fastest > _FASTEST_GYRO:
+        doubts.append(f"the gyroscope reaches {fastest:.4g} rad/s: it looks like deg/s.")
+    if recording.mag_uT is not None:
+        doubts += _field_doubts(_median_norm(recording.mag_uT))
+    return doubts + _axis_doubts(recording.accel)
+
+
+def _field_doubts(strength: float) -> list[str]:
+    # The Earth's field is 22 to 67 uT; buildings bend it by a few tens of per cent.
+    for unit, one in (("gauss", _GAUSS_IN_UT), ("mgauss", 0.1), ("nT", 1e-3), ("T", 1e6), ("mT", 1e3)):
+        if 15.0 < strength * one < 100.0:
+            return [
+                f"the magnetometer's median is {strength:.4g}: it looks like {unit}, where uT is expected."
+            ]
+    return []
+
+
+def _axis_doubts(accel: Array) -> list[str]:
+    rows = accel[np.isfinite(accel).all(axis=1)]
+    if len(rows) == 0:
+        return []
+    mean = rows.mean(axis=0)
+    # Within 25 degrees of straight down, as a level z-down sensor reads: nothing else looks like it but
+    # an IMU mounted upside down.
+    if mean[2] < -0.9 * np.linalg.norm(mean) and np.linalg.norm(mean) > 0.5 * _median_norm(accel):
+        return [
+            "the mean specific force points along -z: z-down axes (--frame ned-frd), "
+            "or a sensor mounted upside down."
+        ]
+    return []
+
+
+def _imu_contents(data: ImuRecording) -> tuple[str, ...]:
+    return ("gyroscope", "accelerometer", *(() if data.mag_uT is None else ("magnetometer",)))
+
+
+def _imu_numbers(data: ImuRecording) -> dict[str, float]:
+    missing = ~(np.isfinite(data.gyro).all(axis=1) & np.isfinite(data.accel).all(axis=1))
+    numbers = {
+        "missing rows": float(missing.sum()),
+        "gyroscope median rad/s": _median_norm(data.gyro),
+        "gyroscope largest rad/s": _largest_norm(data.gyro),
+        "accelerometer median m/s^2": _median_norm(data.accel),
+        "accelerometer largest m/s^2": _largest_norm(data.accel),
+    }
+    if data.mag_uT is not None:
+        numbers["magnetometer median uT"] = _median_norm(data.mag_uT)
+        numbers["magnetometer rows"] = float(np.isfinite(data.mag_uT).all(axis=1).sum())
+    return numbers
+
+
+def _pose_numbers(data: Poses | Motion) -> dict[str, float]:
+    extent = np.ptp(data.p_NB, axis=0)
+    numbers = {f"extent {axis} m": float(e) for axis, e in zip("xyz", extent, strict=True)}
+    steps = np.diff(data.t)
+    if steps.size:
+        lengths = np.linalg.norm(np.diff(data.p_NB, axis=0), axis=1)
+        numbers["path length m"] = float(lengths.sum())
+        numbers["median speed m/s"] = float(np.median(lengths / steps))
+        if data.R_NB is not None:
+            turns = np.swapaxes(data.R_NB[:-1], 1, 2) @ data.R_NB[1:]
+            rates = np.linalg.norm(log_so3(turns), axis=1) / steps
+            numbers["median rate rad/s"] = float(np.median(rates))
+            numbers["largest rate rad/s"] = float(rates.max())
+    if data.R_NB is not None:
+        # Cosine between the body's z axis and N's: 1 is upright in ENU/FLU.
+        numbers["uprightness"] = float(data.R_NB[:, 2, 2].mean())
+    return numbers
+
+
+def _pose_doubts(data: Poses | Motion, numbers: dict[str, float]) -> list[str]:
+    doubts = []
+    if numbers.get("median speed m/s", 0.0) > 100.0:
+        doubts.append(
+            f"the median speed is {numbers['median speed m/s']:.4g} m/s: positions in mm, or time in ms?"
+        )
+    if numbers.get("largest rate rad/s", 0.0) > 3.0 * _FASTEST_GYRO:
+        doubts.append(
+            f"the attitude jumps at {numbers['largest rate rad/s']:.4g} rad/s: "
+            "wrong order of the quaternion, or a tracker that lost and found its target?"
+        )
+    return doubts
+
+
+def _norms(rows: Array) -> Array:
+    norms = np.linalg.norm(rows, axis=1)
+    return np.asarray(norms[np.isfinite(norms)])
+
+
+def _median_norm(rows: Array) -> float:
+    norms = _norms(rows)
+    return float(np.median(norms)) if norms.size else float("nan")
+
+
+def _largest_norm(rows: Array) -> float:
+    return float(_norms(rows).max(initial=0.0))

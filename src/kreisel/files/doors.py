@@ -1,0 +1,157 @@
+"""Turns a file name into a noun and a noun into a file: the public `read` and `write`.
+
+The format is the one named, else the one whose suffix and content fit, else the one whose content fits.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from types import ModuleType
+
+from kreisel import discovery
+from kreisel.data.checks import choice
+from kreisel.data.motion import Motion
+from kreisel.data.recording import ImuRecording
+from kreisel.data.trajectory import Poses
+from kreisel.files.atomic import replacing
+from kreisel.files.formats import Noun, ReadOptions
+
+FOLDER = "kreisel.files.formats"
+HEAD = 65536  # bytes; comments may be long
+KINDS = {"poses": "poses", "motion": "a complete motion", "imu": "an IMU recording"}
+
+PathLike = str | os.PathLike[str]
+
+
+def format_names() -> list[str]:
+    """The formats by the names users type, without importing them."""
+    return [name.replace("_", "-") for name in discovery.names(FOLDER)]
+
+
+def format_named(name: str) -> ModuleType:
+    """The format `name`; ValueError with the nearest name where there is none."""
+    return discovery.load(FOLDER, choice("format", name, format_names()).replace("-", "_"))
+
+
+def read(
+    path: PathLike,
+    format: str | None = None,
+    *,
+    kind: str | None = None,
+    columns: Mapping[str, str] | None = None,
+    rate_hz: float | None = None,
+    times: PathLike | None = None,
+) -> Noun:
+    """What a file holds: Poses, Motion or ImuRecording, in SI units and the axes of the file.
+
+    path : the file. Other worlds than ENU/FLU are turned with `to_enu_flu` afterwards.
+    format : "csv", "tum", "euroc", "euroc-imu", "kitti", "mat", "npz"; None to tell by suffix and content.
+    kind : "poses", "motion" or "imu" to insist on one; a motion is taken as poses where poses are asked for.
+    columns : for csv, our name -> the file's header, its unit in brackets where the header has none:
+        ``{"t": "Time [ms]", "p_x": "X [mm]"}``; "#3" is the third column.
+    rate_hz, times : for files without time, the rate in Hz or a file with one stamp in seconds per row.
+    Raises ValueError with file, line and column where the content is not sound, OSError where there is none.
+    """
+    source = Path(path)
+    if kind is not None:
+        choice("kind", kind, list(KINDS))
+    head = _head(source)
+    if format is None and columns is not None:
+        format = "csv"
+    module = format_named(format) if format else detect(source, head)
+    options = ReadOptions(columns, _rate(rate_hz), None if times is None else Path(times), kind)
+    _check_options(module, options)
+    return _as_kind(module.read(source, options), kind, source)
+
+
+def write(path: PathLike, data: Noun, format: str | None = None) -> None:
+    """Write `data` in the named format, or the one `path` ends in: the whole file or nothing.
+
+    Raises ValueError where the format cannot hold the data, OSError where the place cannot be written.
+    """
+    if not isinstance(data, Poses | Motion | ImuRecording):
+        raise TypeError(f"data must be Poses, Motion or ImuRecording; got {type(data).__name__}.")
+    module = format_named(format) if format else _by_suffix(Path(path))
+    if len(data) == 0:
+        raise ValueError(f"nothing to write to {path}: the data has no rows.")
+    with replacing(path) as out:
+        module.write(data, out)
+
+
+def detect(path: Path, head: bytes) -> ModuleType:
+    """The format of a file by its suffix where the content agrees, otherwise by its content."""
+    formats = {name: format_named(name) for name in format_names()}
+    owner = next((m for m in formats.values() if path.suffix.lower() == m.SUFFIX), None)
+    if owner is not None and owner.sniff(head):
+        return owner
+    fitting = [name for name, module in formats.items() if module.sniff(head)]
+    if len(fitting) == 1:
+        return formats[fitting[0]]
+    if owner is not None:
+        return owner
+    found = f"it could be {' or '.join(fitting)}" if fitting else "its content fits none"
+    raise ValueError(
+        f"cannot tell the format of {path}: {found}. Name it (format=..., --from ...): {', '.join(formats)}."
+    )
+
+
+def format_name(module: ModuleType) -> str:
+    """The name users type for a format module."""
+    return module.__name__.rpartition(".")[2].replace("_", "-")
+
+
+def _by_suffix(path: Path) -> ModuleType:
+    owners = {m.SUFFIX: m for m in map(format_named, format_names()) if m.SUFFIX}
+    if path.suffix.lower() in owners:
+        return owners[path.suffix.lower()]
+    near = difflib.get_close_matches(path.suffix.lower(), list(owners), n=1)
+    hint = f" Did you mean {near[0]!r}?" if near else ""
+    raise ValueError(
+        f"cannot tell the format of {path} from its suffix.{hint} Use one of {', '.join(sorted(owners))}, "
+        f"or name it (format=..., --to ...): {', '.join(format_names())}."
+    )
+
+
+def _head(path: Path) -> bytes:
+    try:
+        with path.open("rb") as stream:
+            return stream.read(HEAD)
+    except FileNotFoundError:
+        near = difflib.get_close_matches(path.name, _neighbours(path), n=1)
+        hint = f" Did you mean {near[0]!r}?" if near else ""
+        raise FileNotFoundError(f"cannot read {path}: there is no such file.{hint}") from None
+    except IsADirectoryError:
+        raise IsADirectoryError(f"cannot read {path}: it is a folder. Give one of its files.") from None
+    except OSError as error:
+        raise type(error)(f"cannot read {path}: {error.strerror}.") from None
+
+
+def _neighbours(path: Path) -> list[str]:
+    try:
+        return [p.name for p in path.parent.iterdir()]
+    except OSError:
+        return []
+
+
+def _rate(rate_hz: float | None) -> float | None:
+    if rate_hz is not None and not 0.0 < rate_hz < float("inf"):
+        raise ValueError(f"rate_hz must be positive; got {rate_hz}.")
+    return rate_hz
+
+
+def _check_options(module: ModuleType, options: ReadOptions) -> None:
+    for name in ("columns", "rate_hz", "times"):
+        if getattr(options, name) is not None and name not in module.OPTIONS:
+            raise ValueError(f"{name} does not apply to the format {format_name(module)!r}. Leave it out.")
+
+
+def _as_kind(data: Noun, kind: str | None, path: Path) -> Noun:
+    have = {Poses: "poses", Motion: "motion", ImuRecording: "imu"}[type(data)]
+    if kind is None or have == kind:
+        return data
+    if isinstance(data, Motion) and kind == "poses":
+        return Poses(data.t, data.p_NB, data.R_NB, data.v_NB, data.t0_ns, data.name)
+    raise ValueError(f"{path} holds {KINDS[have]}; {KINDS[kind]} was asked for.")

@@ -1,0 +1,48 @@
+"""One file per format; each turns a file into a noun and, where it can hold one, a noun into bytes.
+
+The name a user types is the file name with dashes: ``euroc_imu.py`` is ``euroc-imu``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO, Protocol
+
+from kreisel.data.motion import Motion
+from kreisel.data.recording import ImuRecording
+from kreisel.data.trajectory import Poses
+
+Noun = Poses | Motion | ImuRecording
+
+
+@dataclass(frozen=True, slots=True)
+class ReadOptions:
+    """What a reader may need beyond the file; a format refuses what is not in its OPTIONS."""
+
+    columns: Mapping[str, str] | None = None  # our column name -> the file's header, with its unit if need be
+    rate_hz: float | None = None  # for files without time: the first row is at t = 0
+    times: Path | None = None  # for files without time: a text file with one stamp in seconds per row
+    kind: str | None = None  # "poses", "motion" or "imu": which one to take from a file that has several
+
+
+class Format(Protocol):
+    """What a module in this folder offers."""
+
+    SUFFIX: str | None  # the file suffix that names this format, in reading and writing
+    HOLDS: tuple[type[Noun], ...]  # the nouns it can write
+    OPTIONS: frozenset[str]  # the ReadOptions it understands, beside kind
+    KEEPS: str  # for the table of formats: what survives the round trip
+
+    def sniff(self, head: bytes) -> bool:
+        """Whether the first bytes of a file look like this format and no other."""
+        ...
+
+    def read(self, path: Path, options: ReadOptions) -> Noun:
+        """The noun in the file; ValueError with file, line and column where it is not sound."""
+        ...
+
+    def write(self, data: Noun, out: BinaryIO) -> None:
+        """The bytes of `data`; ValueError where this format cannot hold it."""
+        ...

@@ -1,0 +1,203 @@
+"""Turns tables with a header of names and units into any noun, and any noun into such a table."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from kreisel.data.checks import Array
+from kreisel.data.motion import Motion
+from kreisel.data.recording import ImuRecording
+from kreisel.data.trajectory import Poses
+from kreisel.files.columns import GROUPS, Column, bind
+from kreisel.files.formats import Noun, ReadOptions
+from kreisel.files.stamps import seconds_text, to_nanoseconds
+from kreisel.files.text import (
+    TextFile,
+    checked_clock,
+    checked_finite,
+    checked_quaternions,
+    first_rows,
+    is_number,
+    load,
+    read_text,
+    split_row,
+    write_rows,
+)
+from kreisel.files.units import UNITS
+from kreisel.maths.rotations import matrix_from_euler, matrix_from_quat_wxyz, quat_wxyz_from_matrix
+
+SUFFIX = ".csv"
+HOLDS = (Poses, Motion, ImuRecording)
+OPTIONS = frozenset({"columns", "rate_hz"})
+KEEPS = "every bit of every number; attitude as a quaternion, to 1e-15"
+
+_DIGITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}
+_MOTION = ("p", "v", "a", "omega", "alpha")
+
+
+def sniff(head: bytes) -> bool:
+    """A header of names above rows that start with a number."""
+    _, rows = first_rows(head)
+    if not rows:
+        return False
+    delimiter = _delimiter(rows)
+    header = _fields(rows[0], delimiter)
+    return len(header) > 1 and not any(map(is_number, header))
+
+
+def read(path: Path, options: ReadOptions) -> Noun:
+    """The noun whose columns the table has; `options.kind` decides where it has several."""
+    file = read_text(path)
+    delimiter = _delimiter(file.rows)
+    file, headers = _headers(file, delimiter)
+    found = bind(str(path), headers, options.columns)
+    kind = _kind(path, found, headers, options.kind)
+    groups = [g for g in _groups_of(kind) if GROUPS[g][0][0] in found]
+    if "q" in groups and "phi" in groups:
+        groups.remove("phi")
+    use = [found[name] for g in groups for name in GROUPS[g][0]]
+    stamp = found.get("t")
+    stamps, values = load(
+        file, delimiter, headers, stamp.index if stamp else None, [column.index for column in use]
+    )
+    if stamps is None or stamp is None:
+        t, t0_ns = _even_times(path, len(values), options.rate_hz), 0
+    else:
+        t, t0_ns = checked_clock(file, stamps, _digits(file, stamp, stamps[0]), stamp.header)
+    values = checked_finite(file, values, [column.header for column in use], nan_ok=kind == "imu")
+    columns = _scaled(values, groups, found)
+    return _noun(kind, file, t, t0_ns, columns)
+
+
+def write(data: Noun, out: BinaryIO) -> None:
+    """Columns with their unit in brackets; epoch stamps as integer nanoseconds, others in seconds."""
+    groups = _contents(data)
+    names = [_with_unit(name, GROUPS[g][2]) for g in groups for name in GROUPS[g][0]]
+    if data.t0_ns:
+        names.insert(0, "t [ns]")
+        stamps = list(map(str, to_nanoseconds(data.t, data.t0_ns).tolist()))
+    else:
+        names.insert(0, "t [s]")
+        stamps = seconds_text(data.t, 0)
+    write_rows(out, ",".join(names), [stamps, *(column for g in groups for column in groups[g].T)], ",")
+
+
+def _with_unit(name: str, unit: str) -> str:
+    return f"{name} [{unit}]" if unit else name
+
+
+def _contents(data: Noun) -> dict[str, Array]:
+    if isinstance(data, ImuRecording):
+        found = {"gyro": data.gyro, "accel": data.accel, "mag": data.mag_uT}
+    else:
+        quat = None if data.R_NB is None else quat_wxyz_from_matrix(data.R_NB)
+        found = {"p": data.p_NB, "q": quat, "v": data.v_NB}
+    if isinstance(data, Motion):
+        found |= {"a": data.a_NB, "omega": data.omega_NB_B, "alpha": data.alpha_NB_B}
+    return {group: array for group, array in found.items() if array is not None}
+
+
+def _delimiter(rows: list[str]) -> str | None:
+    """The one of comma, semicolon and tab that header and first row share most of; None for spaces."""
+    first, second = rows[0], rows[min(1, len(rows) - 1)]
+    counts = {d: min(first.count(d), second.count(d)) for d in (";", "\t", ",")}
+    best = max(counts, key=lambda d: counts[d])
+    return best if counts[best] else next((d for d in (";", "\t", ",") if d in first), None)
+
+
+def _fields(line: str, delimiter: str | None) -> list[str]:
+    if delimiter is None:
+        return re.sub(r"\s+([\[(])", r"\1", line).split()
+    return split_row(line, delimiter)
+
+
+def _headers(file: TextFile, delimiter: str | None) -> tuple[TextFile, list[str]]:
+    """(file without its header row, headers): the first row, the comment above it, or "#1", "#2" ..."""
+    first = _fields(file.rows[0], delimiter)
+    if not any(is_number(field) for field in first):
+        if len(file.rows) == 1:
+            raise ValueError(f"{file.path} has a header but no rows below it.")
+        line = file.lines.index(file.rows[0])
+        # A blank in its place keeps the line numbers of complaints right.
+        lines = [*file.lines[:line], "", *file.lines[line + 1 :]]
+        return TextFile(file.path, lines, file.rows[1:], file.comments), first
+    above = _fields(file.comments[-1], delimiter) if file.comments else []
+    if len(above) == len(first) and len(above) > 1:
+        return file, above
+    return file, [f"#{k}" for k in range(1, len(first) + 1)]
+
+
+def _groups_of(kind: str) -> tuple[str, ...]:
+    return ("gyro", "accel", "mag") if kind == "imu" else ("p", "q", "phi", "v", "a", "omega", "alpha")
+
+
+def _kind(path: Path, found: Mapping[str, Column], headers: list[str], asked: str | None) -> str:
+    groups = {g for g, (names, _, _) in GROUPS.items() if names[0] in found}
+    imu, poses = {"gyro", "accel"} <= groups, "p" in groups
+    if imu and poses and asked is None:
+        raise ValueError(
+            f"{path} has both positions and IMU columns. Say which to read: kind='poses' or kind='imu'."
+        )
+    if (asked == "imu" or not poses) and imu:
+        return "imu"
+    if poses:
+        return "motion" if {*_MOTION} <= groups and ("q" in groups or "phi" in groups) else "poses"
+    lacking = "accel_x" if "gyro" in groups else "gyro_x" if "accel" in groups else "p_x"
+    raise ValueError(
+        f"{path}: no column {lacking}. Needed are positions (p_x ...) or an IMU (gyro_x ..., accel_x ...). "
+        f"The file has: {', '.join(headers)}. Name foreign columns with --column {lacking}='HEADER [UNIT]'."
+    )
+
+
+def _even_times(path: Path, n: int, rate_hz: float | None) -> Array:
+    if rate_hz is None:
+        raise ValueError(
+            f"{path} has no time column. Name it with --column t='HEADER [UNIT]', or give rate_hz."
+        )
+    return np.arange(n) / rate_hz
+
+
+def _digits(file: TextFile, column: Column, first: bytes) -> int:
+    """Decimal exponent from the stamps' unit to nanoseconds; refuses seconds that cannot be."""
+    unit = next(u for u in _DIGITS if column.scale == UNITS["time"][u])
+    # 1e11 s is the year 5138: such numbers are finer units without their name.
+    if column.unit is None and abs(float(first)) > 1e11:
+        likely = "ms" if abs(float(first)) < 1e14 else "us" if abs(float(first)) < 1e17 else "ns"
+        raise file.error(
+            0,
+            f"{first.decode()} cannot be seconds, it looks like {likely}. "
+            f"Say so: --column t='{column.header} [{likely}]'.",
+            column.header,
+        )
+    return _DIGITS[unit]
+
+
+def _scaled(values: Array, groups: list[str], found: Mapping[str, Column]) -> dict[str, Array]:
+    columns, at = {}, 0
+    for group in groups:
+        names = GROUPS[group][0]
+        columns[group] = np.column_stack(
+            [found[name].scale(values[:, at + k]) for k, name in enumerate(names)]
+        )
+        at += len(names)
+    return columns
+
+
+def _noun(kind: str, file: TextFile, t: Array, t0_ns: int, columns: dict[str, Array]) -> Noun:
+    name = file.path.stem
+    if kind == "imu":
+        return ImuRecording(t, columns["gyro"], columns["accel"], columns.get("mag"), t0_ns, name)
+    R_NB = None
+    if "q" in columns:
+        R_NB = matrix_from_quat_wxyz(checked_quaternions(file, columns["q"], "q_w ... q_z"))
+    elif "phi" in columns:
+        R_NB = matrix_from_euler(columns["phi"])
+    if kind == "poses" or R_NB is None:
+        return Poses(t, columns["p"], R_NB, columns.get("v"), t0_ns, name)
+    p, v, a, omega, alpha = (columns[group] for group in _MOTION)
+    return Motion(t, p, v, a, R_NB, omega, alpha, t0_ns, name)

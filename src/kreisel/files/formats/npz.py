@@ -1,0 +1,52 @@
+"""Turns every noun into NumPy's archive of arrays and back, to the bit; nothing in it is executable."""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+
+from kreisel.data.motion import Motion
+from kreisel.data.recording import ImuRecording
+from kreisel.data.trajectory import Poses
+from kreisel.files.arrays import from_arrays, to_arrays
+from kreisel.files.formats import Noun, ReadOptions
+
+SUFFIX = ".npz"
+HOLDS = (Poses, Motion, ImuRecording)
+OPTIONS = frozenset({"rate_hz"})
+KEEPS = "every bit of every field"
+
+
+def sniff(head: bytes) -> bool:
+    """A zip archive whose first member is an array."""
+    return head.startswith(b"PK\x03\x04") and b".npy" in head[:200]
+
+
+def read(path: Path, options: ReadOptions) -> Noun:
+    """The noun named in the archive's schema, or what its array names suggest."""
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+    except (
+        zipfile.BadZipFile,
+        zlib.error,
+        EOFError,
+        KeyError,
+        ValueError,
+        AttributeError,
+        NotImplementedError,
+    ):
+        raise ValueError(
+            f"{path} is not a whole NPZ archive of plain arrays: it was cut off, is of another kind, "
+            "or holds pickled objects, which are never loaded."
+        ) from None
+    return from_arrays(path, arrays, options)
+
+
+def write(data: Noun, out: BinaryIO) -> None:
+    """An uncompressed archive: sensor noise does not compress."""
+    np.savez(out, allow_pickle=False, **to_arrays(data))
