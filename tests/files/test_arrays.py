@@ -86,7 +86,7 @@ def test_pickled_objects_are_never_loaded(tmp_path: Path) -> None:
         ({"t": T[::-1], "s": S}, "runs back"),
         ({"t": T, "s": S, "quat": np.ones((5, 4))}, "row 0 has length 2"),
         ({"t": T, "s": S, "R_NB": 2.0 * np.repeat(np.eye(3)[:, :, None], 5, axis=2)}, "rotation matrices"),
-        ({"t": T, "s": S, "gyro": S, "accel": S}, "Say which to read"),
+        ({"t": T, "s": S, "gyro": S, "accel": S}, "Say which: kind"),
     ],
 )
 def test_a_box_that_makes_no_sense_names_file_and_variable(

@@ -49,7 +49,7 @@ def test_a_refused_folder_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr(Path, "open", refuse)
-    with pytest.raises(PermissionError, match="the folder .* is not writable"), replacing(tmp_path / "x"):
+    with pytest.raises(PermissionError, match=r"the folder .* is not writable"), replacing(tmp_path / "x"):
         pass
 
 
