@@ -20,6 +20,7 @@ from kreisel.data.checks import (
 )
 from kreisel.data.motion import Motion, Note
 from kreisel.data.trajectory import Poses
+from kreisel.maths.carried import carried_along
 from kreisel.maths.course import Course, attitude_on, course
 from kreisel.maths.derivatives import SECOND_DERIVATIVE_GAIN, Signal, interpolating_spline, noise_level
 from kreisel.maths.kinematics import quaternion_motion
@@ -122,7 +123,7 @@ class SampledTrajectory:
     def _along(self, position: Signal, times: Array) -> tuple[Attitude, tuple[Note, ...]]:
         """Attitude of a body that follows the path, and notes on where its heading jumps."""
         if self.orientation == "transport":
-            raise NotImplementedError
+            return carried_along(position, self.t, self._course.floor, times), ()
         _, v, a, j = position(times, 3)
         course = self._course
         jumps = np.flatnonzero(course.turn > _JUMP)
