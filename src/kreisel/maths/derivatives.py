@@ -26,6 +26,9 @@ SECOND_DERIVATIVE_GAIN = 10.5
 class Signal(Protocol):
     """A function of time that knows its derivatives."""
 
+    rate_sigma: Array  # (c,) standard deviation of the noise in the first derivative, per second; 0 for none
+    response: float  # s, over which samples were averaged; 0 where none were
+
     def __call__(self, t: Array, order: int) -> Array:
         """(order + 1, n, c): value and derivatives at increasing times t (n,)."""
         ...
@@ -47,8 +50,11 @@ class SplineSignal:
     evaluation each, and these are half the cost of a motion.
     """
 
+    response = 0.0
+
     def __init__(self, spline: BSpline) -> None:
         self._spline = spline
+        self.rate_sigma: Array = np.zeros(spline.c.shape[1])
 
     def __call__(self, t: Array, order: int) -> Array:
         spline = self._spline
