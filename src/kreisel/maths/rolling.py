@@ -51,7 +51,9 @@ class Cells(NamedTuple):
 def cells(path: Path, start: float, end: float, span: Span, still: Stillness) -> Cells:
     """Cells that cover [start, end], on a grid of their own whatever start and end are, but inside the span."""
     edges = _edges(path, start, end, span, still)
-    work = [(edges[k : k + BLOCK + 1][:-1], edges[k + 1 : k + BLOCK + 1]) for k in range(0, len(edges) - 1, BLOCK)]
+    work = [
+        (edges[k : k + BLOCK + 1][:-1], edges[k + 1 : k + BLOCK + 1]) for k in range(0, len(edges) - 1, BLOCK)
+    ]
     done = []
     while work:
         left, right = work.pop()
@@ -121,6 +123,8 @@ def _ends(path: Path, left: Array, right: Array, still: Stillness) -> tuple[Arra
         blocks = [inside[k : k + BLOCK * NODES] for k in range(0, len(t), BLOCK * NODES)]
         coarse = still.coarser(16.0)
         out.append(
-            np.concatenate([leading_series(b, path(b, DERIVATIVES)[1:], side, coarse) for b in blocks], axis=1)
+            np.concatenate(
+                [leading_series(b, path(b, DERIVATIVES)[1:], side, coarse) for b in blocks], axis=1
+            )
         )
     return out[0], out[1]

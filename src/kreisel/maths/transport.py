@@ -16,7 +16,17 @@ from kreisel.maths.heading import Span
 from kreisel.maths.joints import RATE, TURN
 from kreisel.maths.kernels import kernel
 from kreisel.maths.rolling import Cells, cells
-from kreisel.maths.tangent import AFTER, BEFORE, DERIVATIVES, EXACT, Array, Attitude, Path, Stillness, leading_series
+from kreisel.maths.tangent import (
+    AFTER,
+    BEFORE,
+    DERIVATIVES,
+    EXACT,
+    Array,
+    Attitude,
+    Path,
+    Stillness,
+    leading_series,
+)
 
 
 class _Course(NamedTuple):
@@ -47,7 +57,9 @@ def follow_without_twist(
     # A constant roll (and reversal) of the whole course makes it meet the level attitude there.
     Q = unturned.R_NB[0].T @ there.attitude.R_NB[0]
     attitude, p, v, a = _sampled(path, t, pieces, course, Q, span, still)
-    return Followed(p, v, a, attitude, _joints(t, pieces, course, Q), there.aimless and bool((pieces.pole < 0).all()))
+    return Followed(
+        p, v, a, attitude, _joints(t, pieces, course, Q), there.aimless and bool((pieces.pole < 0).all())
+    )
 
 
 def _course(pieces: Cells, reference: float, R_reference: Array) -> _Course:
