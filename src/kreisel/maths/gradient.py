@@ -133,11 +133,10 @@ def _turn(R: Array, e: int, low: int, k: int, high: int, body: bool) -> tuple[fl
 
 @kernel
 def _dot(R: Array, still: int, moving: int, step: int, low: int, k: int, high: int) -> float:
-    return (
-        R[still + k] * (R[moving + high] - R[moving + low])
-        + R[still + step + k] * (R[moving + step + high] - R[moving + step + low])
-        + R[still + 2 * step + k] * (R[moving + 2 * step + high] - R[moving + 2 * step + low])
-    )
+    dot: float = R[still + k] * (R[moving + high] - R[moving + low])
+    dot += R[still + step + k] * (R[moving + step + high] - R[moving + step + low])
+    dot += R[still + 2 * step + k] * (R[moving + 2 * step + high] - R[moving + 2 * step + low])
+    return dot
 
 
 @kernel
