@@ -19,6 +19,7 @@ from kreisel.show.thinning import along_path
 
 # Sides of the box are at least this share of its longest: a plane path is seen in a room, not in a slot.
 _FLATTEST = 0.3
+_ELEVATION_DEG, _AZIMUTH_DEG = 27.0, -58.0  # of the eye, seen from the scene
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +43,7 @@ def stage(motion: Motion, mounts: Sequence[Mount], share: float) -> Stage:
     # A thousandth of the picture is less than a pixel.
     thin = [p[along_path(p, 1e-3 * max(extent, length))] for p in paths]
     low, high = (np.array([getattr(p, side)(axis=0) for p in thin]) for side in ("min", "max"))
-    low, high = low.min(axis=0) - 0.7 * length, high.max(axis=0) + 0.7 * length
+    low, high = low.min(axis=0) - 0.6 * length, high.max(axis=0) + 0.6 * length
     centre, half = 0.5 * (low + high), 0.5 * (high - low)
     half = np.maximum(half, _FLATTEST * half.max())
     return Stage(thin[0], tuple(thin[1:]), centre - half, centre + half, length)
@@ -53,10 +54,16 @@ def sensor_path(motion: Motion, mount: Mount) -> Array:
     return np.asarray(motion.p_NB + motion.R_NB @ mount.p_BS)
 
 
+def as_seen(p_N: Array) -> Array:
+    """Points (n, 3) in N as the eye sees them from far, without depth: (n, 2) m, to the right and up."""
+    (ce, se), (ca, sa) = ((np.cos(a), np.sin(a)) for a in np.deg2rad([_ELEVATION_DEG, _AZIMUTH_DEG]))
+    return np.asarray(p_N @ np.array([[-sa, -se * ca], [ca, -se * sa], [0.0, ce]]))
+
+
 def furnish(scene: Axes3D, on: Stage) -> None:
     """Give `scene` the limits, equal scales, grid and labels of a stage, and the shadow of its path."""
     scene.computed_zorder = False
-    scene.view_init(elev=27.0, azim=-58.0)
+    scene.view_init(elev=_ELEVATION_DEG, azim=_AZIMUTH_DEG)
     scene.set(xlim=(on.low[0], on.high[0]), ylim=(on.low[1], on.high[1]), zlim=(on.low[2], on.high[2]))
     scene.set_box_aspect(tuple(on.high - on.low))
     sides = on.high - on.low
@@ -64,7 +71,7 @@ def furnish(scene: Axes3D, on: Stage) -> None:
     for axis, label, side in labelled:
         axis.set_pane_color(style.PANEL)
         axis.line.set(color=style.FAINT_INK, linewidth=0.7)
-        axis.set_major_locator(MaxNLocator(5 if side > 0.5 * sides.max() else 3))
+        axis.set_major_locator(MaxNLocator(5 if side > 0.6 * sides.max() else 3))
         axis.set_label_text(f"{label} [m]", fontsize=style.LABEL_SIZE, color=style.INK)
         axis.labelpad = 7.0
         axis.set_tick_params(labelsize=style.TICK_SIZE, labelcolor=style.INK, color=style.GRID)
@@ -79,7 +86,7 @@ def place(scene: Axes3D, left: float, bottom: float, right: float, top: float) -
     A flat box would otherwise leave most of a figure empty, and a cube overlap its title.
     """
     for _ in range(3):  # perspective makes the size only nearly proportional to the zoom
-        box = _seen_box(scene)
+        box = seen_box(scene)
         at, size = scene.get_position(), box[1] - box[0]
         zoom = min((right - left) / size[0], (top - bottom) / size[1])
         width, height = at.width * zoom, at.height * zoom
@@ -88,7 +95,7 @@ def place(scene: Axes3D, left: float, bottom: float, right: float, top: float) -
         scene.set_position((x - 0.5 * width, y - 0.5 * height, width, height))
 
 
-def _seen_box(scene: Axes3D) -> Array:
+def seen_box(scene: Axes3D) -> Array:
     """Lower left and upper right corner (2, 2) of the box as it is seen, in fractions of the figure."""
     scene.apply_aspect()
     corners = np.array(np.meshgrid(scene.get_xlim(), scene.get_ylim(), scene.get_zlim())).reshape(3, -1)
@@ -110,5 +117,6 @@ def _draw_grid(scene: Axes3D, on: Stage) -> None:
     lines += [[(x1, y, z0), (x0, y, z0), (x0, y, z1)] for y in at[1]]
     lines += [[(x0, y0, z), (x0, y1, z), (x1, y1, z)] for z in at[2]]
     scene.add_collection3d(
-        Line3DCollection(lines, colors=style.GRID_IN_SPACE, linewidths=0.7, zorder=0.5), autolim=False
+        Line3DCollection(lines, colors=style.GRID_IN_SPACE, linewidths=0.7, zorder=0.5, clip_on=False),
+        autolim=False,
     )
