@@ -16,8 +16,8 @@ from kreisel.maths.jets.smooth import _SINC_SWITCH
 
 ORDER = 5
 
-# At order 5 some 20 products add up, each good to 1e-16; they cancel by a factor of 10 or so where x^y does.
-TOLERANCE = 2e-13
+# Measured: 2e-15 for most rules; more where whole terms cancel, as in a power of a jet.
+TOLERANCE = 3e-14
 
 WIDE, POSITIVE, UNIT, ABOVE_ONE = (
     (-2.1, -0.4, 0.3, 1.7),
@@ -39,7 +39,7 @@ def assert_same(
 ) -> None:
     expected = oracle(exact, points, order)
     # All functions here are of order 1; a derivative that vanishes is measured against that.
-    scale = np.maximum(np.abs(expected).max(axis=1, keepdims=True), 0.1)
+    scale = np.maximum(np.abs(expected).max(axis=1, keepdims=True), 1.0)
     error = np.abs(differentiate(function, points, order) - expected) / scale
     assert error.max() < TOLERANCE, error
 
@@ -269,21 +269,14 @@ def test_derivatives_are_undefined_where_the_value_is(function: Any) -> None:
 # --- blocks, inputs, constants ---
 
 
-def _busy(t: Jet) -> Any:
-    # Library loops for vectors and for their tails agree to the bit in arithmetic, roots and exp.
-    return (
-        np.where(t > 0.2, np.sqrt(1 + t * t), np.exp(-t)) / (2 + t)
-        + np.interp(t, [0, 0.5, 1], [0, 2, 1]) * t**3
-    )
-
-
-def test_blocks_do_not_change_a_bit(monkeypatch: pytest.MonkeyPatch) -> None:
-    t = np.linspace(0.0, 1.0, 2 * BLOCK + 3)
-    whole = differentiate(_busy, t, 4)
-    assert whole.shape == (5, t.size)
+@pytest.mark.parametrize("name", RULES)
+def test_blocks_do_not_change_a_bit(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    t = np.linspace(0.2, 0.8, BLOCK + 3) + (1.2 if name == "arccosh" else 0.0)
+    whole = differentiate(RULES[name][0], t, 3)
+    assert whole.shape == (4, t.size)
     for block in (1000, t.size):
         monkeypatch.setattr(jets.evaluate, "BLOCK", block)
-        np.testing.assert_array_equal(differentiate(_busy, t, 4), whole)
+        np.testing.assert_array_equal(differentiate(RULES[name][0], t, 3), whole)
 
 
 def test_input_is_untouched() -> None:

@@ -52,7 +52,7 @@ def follow(path: Path, t: Array, span: Span = (-np.inf, np.inf), still: Stillnes
     """
     n = len(t)
     p, v, a = (np.empty((n, 3)) for _ in range(3))
-    attitude = Attitude(np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 3)))
+    attitude = _nothing(n)
     headless, doubtful = np.empty(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_)
     tail: tuple[Array, ...] = ()
     for low in range(0, n, BLOCK):
@@ -86,6 +86,8 @@ def _joints(path: Path, t: Array, ends: Array, span: Span, still: Stillness) -> 
     """Joints within the intervals that end at rows `ends`; not one at the first row, which is after it already."""
     instants = brackets(path, t[ends - 1], t[ends], still)
     inside = (instants[:, 0] > t[0]) & (instants[:, 1] < span[1]) if len(t) else np.zeros(0, dtype=np.bool_)
+    if not inside.any():
+        return Joints(np.empty(0), _nothing(0), _nothing(0))
     left, right = instants[inside].T
     # At the ends of the brackets more must count as nil than inside them.
     before = one_sided(path, left, BEFORE, span, still.coarser(8.0)).attitude
@@ -96,6 +98,10 @@ def _joints(path: Path, t: Array, ends: Array, span: Span, still: Stillness) -> 
     joints = Joints(0.5 * (left + right), before, after)
     real = (joints.turns > TURN) | (joints.rate_steps > RATE)
     return Joints(joints.t[real], _rows(before, real), _rows(after, real))
+
+
+def _nothing(n: int) -> Attitude:
+    return Attitude(np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 3)))
 
 
 def _rows(attitude: Attitude, mask: Mask) -> Attitude:

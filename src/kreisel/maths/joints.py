@@ -22,6 +22,9 @@ PATIENCE, PATIENCE_AT_LEAST = 200, 100_000
 
 NO, KEEP, DIVIDE = 0, 1, 2
 
+Sizes = tuple[float, float, float]
+"""Of velocity, acceleration and jerk."""
+
 # Shares of what the next derivative does over the interval by which velocity (acceleration) may miss the
 # trapezoidal rule. A wave sampled 13 times a period misses by (2 pi / 13)^2 / 12 = 0.02.
 MISFIT = 0.02
@@ -76,71 +79,70 @@ def _merged(ends: Array, still: Stillness) -> Array:
 
 def _verdicts(t: Array, v: Array, a: Array, j: Array, still: Stillness) -> npt.NDArray[np.uint8]:
     out = np.zeros(max(len(t) - 1, 0), dtype=np.uint8)
-    _judge(t, v, a, j, still.speed, still.rate, instant_at(t, still), out)
+    _judge(t, v, a, j, still.speed, still.rate, still.instant, out)
     return out
 
 
 @kernel
 def _judge(
-    t: Array, v: Array, a: Array, j: Array, speed: float, rate: float, instant: Array, out: npt.NDArray[np.uint8]
+    t: Array, v: Array, a: Array, j: Array, speed: float, rate: float, instant: float, out: npt.NDArray[np.uint8]
 ) -> None:  # fmt: skip
-    for k in range(t.shape[0] - 1):
-        step = t[k + 1] - t[k]
-        verdict = max(
-            _zero(k, 2, step, v, a, j, speed, rate, instant[k]),
-            _zero(k, 3, step, v, a, j, speed, rate, instant[k]),
-            _misfit(k, step, v, a, j, speed, rate, instant[k]),
-        )
-        out[k] = KEEP if verdict == DIVIDE and step <= 0.25 * instant[k] else verdict
+    if t.shape[0] == 0:
+        return
+    flat0, full0 = _sizes(v, a, j, 0)
+    for k in range(1, t.shape[0]):
+        flat1, full1 = _sizes(v, a, j, k)
+        step, now = t[k] - t[k - 1], instant + 8.9e-16 * abs(t[k])
+        verdict = max(_zero(flat0, flat1, step, speed, rate, now), _zero(full0, full1, step, speed, rate, now))
+        if verdict != DIVIDE and _misfit(k, v, a, j, full0, full1, step, speed, rate, now):
+            verdict = DIVIDE
+        out[k - 1] = KEEP if verdict == DIVIDE and step <= 0.25 * now else verdict
+        flat0, full0 = flat1, full1
 
 
 @kernel
-def _size(x: Array, k: int, axes: int) -> float:
-    squared = x[k, 0] * x[k, 0] + x[k, 1] * x[k, 1]
-    return np.sqrt(squared + x[k, 2] * x[k, 2] if axes == 3 else squared)
+def _sizes(v: Array, a: Array, j: Array, k: int) -> tuple[Sizes, Sizes]:
+    """Of the horizontal parts and of the whole vectors."""
+    fv, fa = v[k, 0] * v[k, 0] + v[k, 1] * v[k, 1], a[k, 0] * a[k, 0] + a[k, 1] * a[k, 1]
+    fj = j[k, 0] * j[k, 0] + j[k, 1] * j[k, 1]
+    wv, wa, wj = fv + v[k, 2] * v[k, 2], fa + a[k, 2] * a[k, 2], fj + j[k, 2] * j[k, 2]
+    return (np.sqrt(fv), np.sqrt(fa), np.sqrt(fj)), (np.sqrt(wv), np.sqrt(wa), np.sqrt(wj))
 
 
 @kernel
-def _at_rest(v: float, a: float, j: float, nil: float, rate: float) -> bool:
-    return v <= nil and a <= nil * rate and j <= 2.0 * nil * rate * rate
-
-
-@kernel
-def _zero(
-    k: int, axes: int, step: float, v: Array, a: Array, j: Array, speed: float, rate: float, instant: float
-) -> int:
-    """Whether the first `axes` components of the velocity may vanish together between rows k and k + 1."""
-    v0, v1 = _size(v, k, axes), _size(v, k + 1, axes)
-    a0, a1 = _size(a, k, axes), _size(a, k + 1, axes)
-    j0, j1 = _size(j, k, axes), _size(j, k + 1, axes)
-    nil0, nil1 = speed + instant * (a0 + j0 / rate), speed + instant * (a1 + j1 / rate)
-    if _at_rest(v0, a0, j0, nil0, rate) and _at_rest(v1, a1, j1, nil1, rate):
-        return NO
-    most = max(a0, a1)
-    if v0 <= nil0 and v1 <= nil1 and most * step <= min(nil0, nil1):
-        return KEEP
+def _zero(here: Sizes, there: Sizes, step: float, speed: float, rate: float, instant: float) -> int:
+    """Whether the velocity may vanish within a step, from the sizes at both ends."""
+    nil0, nil1 = speed + instant * (here[1] + here[2] / rate), speed + instant * (there[1] + there[2] / rate)
+    most = max(here[1], there[1])
     # From the nearer end to a zero the speed falls by half a step times the acceleration; half as much again
     # for what acceleration and jerk at the ends do not show.
-    reach = 0.75 * step * (most + 0.5 * step * max(j0, j1)) + max(nil0, nil1)
-    return DIVIDE if min(v0, v1) <= reach else NO
+    reach = 0.75 * step * (most + 0.5 * step * max(here[2], there[2])) + max(nil0, nil1)
+    if min(here[0], there[0]) > reach or (_at_rest(here, nil0, rate) and _at_rest(there, nil1, rate)):
+        return NO
+    lingers = here[0] <= nil0 and there[0] <= nil1 and most * step <= min(nil0, nil1)
+    return KEEP if lingers else DIVIDE
+
+
+@kernel
+def _at_rest(sizes: Sizes, nil: float, rate: float) -> bool:
+    return sizes[0] <= nil and sizes[1] <= nil * rate and sizes[2] <= 2.0 * nil * rate * rate
 
 
 @kernel
 def _misfit(
-    k: int, step: float, v: Array, a: Array, j: Array, speed: float, rate: float, instant: float
-) -> int:
-    """Whether velocity or acceleration may step between rows k and k + 1: the trapezoidal rule fails by more
-    than a smooth path would make it."""
+    k: int, v: Array, a: Array, j: Array, here: Sizes, there: Sizes, step: float, speed: float, rate: float,
+    instant: float,
+) -> bool:  # fmt: skip
+    """Whether velocity or acceleration may step before row k: the trapezoidal rule fails by more than a smooth
+    path would make it."""
     in_v, in_a = 0.0, 0.0
     for i in range(3):
-        e = v[k + 1, i] - v[k, i] - 0.5 * step * (a[k, i] + a[k + 1, i])
+        e = v[k, i] - v[k - 1, i] - 0.5 * step * (a[k, i] + a[k - 1, i])
         in_v += e * e
-        e = a[k + 1, i] - a[k, i] - 0.5 * step * (j[k, i] + j[k + 1, i])
+        e = a[k, i] - a[k - 1, i] - 0.5 * step * (j[k, i] + j[k - 1, i])
         in_a += e * e
-    s = min(_size(v, k, 3), _size(v, k + 1, 3))
-    most = max(_size(a, k, 3), _size(a, k + 1, 3))
-    bend = max(_size(j, k, 3), _size(j, k + 1, 3))
-    turns = np.sqrt(in_v) > TURN * s + MISFIT * step * most + speed + instant * (most + bend / rate)
+    slow, most, bend = min(here[0], there[0]), max(here[1], there[1]), max(here[2], there[2])
+    turns = TURN * slow + MISFIT * step * most + speed + instant * (most + bend / rate)
     # Accelerations carry more noise than speeds: a thousand times what would still be a speed.
-    yaws = np.sqrt(in_a) > RATE * s + MISFIT * step * bend + 1e-9 * most + 1e3 * speed * rate
-    return DIVIDE if turns or yaws else NO
+    yaws = RATE * slow + MISFIT * step * bend + 1e-9 * most + 1e3 * speed * rate
+    return in_v > turns * turns or in_a > yaws * yaws

@@ -92,8 +92,8 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
             return np.array(self.value, dtype=dtype)  # conditions have no derivatives to lose
         if dtype is not None:
             raise refusals.taken_as_plain_array()
-        # np.array([x, y, z]) cannot be overridden: it gets a box, to be returned and for nothing else. The box
-        # has an axis, because from boxes without one NumPy keeps the jets themselves and calculates with them.
+        # np.array([x, y, z]) cannot be overridden: it gets a box, to be returned and for nothing else. The
+        # box has an axis: from boxes without one NumPy keeps the jets themselves and calculates with them.
         holder = np.empty(1, dtype=object)
         holder[0] = Packed(self)
         return holder
@@ -115,30 +115,37 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
 
     @property
     def shape(self) -> tuple[int, ...]:
+        """Shape of the array; orders are no axis of it."""
         return np.shape(self.rows[0])
 
     @property
     def ndim(self) -> int:
+        """Number of axes."""
         return len(self.shape)
 
     @property
     def size(self) -> int:
+        """Number of elements."""
         return int(np.size(self.rows[0]))
 
     @property
     def dtype(self) -> np.dtype[Any]:
+        """Kind of the values: float64, bool for a condition, complex128."""
         return self.value.dtype
 
     @property
     def T(self) -> "Jet":
+        """The axes in reverse order."""
         return self.arranged(np.transpose)
 
     @property
     def real(self) -> "Jet":
+        """The real part."""
         return Jet(linear(np.real, [self.rows]), self.order)
 
     @property
     def imag(self) -> "Jet":
+        """The imaginary part."""
         return Jet(linear(np.imag, [self.rows]), self.order)
 
     def astype(self, dtype: Any) -> "Jet":
@@ -148,6 +155,7 @@ class Jet(np.lib.mixins.NDArrayOperatorsMixin):
         return Jet((self.value.astype(dtype),), self.order)
 
     def reshape(self, *shape: Any) -> "Jet":
+        """The same elements in another shape, as in NumPy."""
         wanted = shape[0] if len(shape) == 1 else shape
         return self.arranged(lambda row: np.reshape(row, wanted))
 

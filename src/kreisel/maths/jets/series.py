@@ -2,9 +2,11 @@
 
 A series is a tuple of rows, one per order. Rows hold *normalised* coefficients, x^(k) / k!, because then a
 product is a bare convolution, without binomials. Each row need only broadcast against row 0, and zero rows at
-the
-top are left out: the time itself is (t, 1.0), a linear argument (w t, w) with w a number. So a linear
+the top are left out: the time itself is (t, 1.0), a linear argument (w t, w) with w a number. So a linear
 argument, the usual one, costs one array pass per order where a full series costs one per pair of orders.
+
+Plain NumPy, because there is little to gain: sines, cosines and writing the answer take half the time of a
+usual path, and a compiled product of two full series of order 4 was 1.5 times as fast, 3.6 times unrolled.
 """
 
 from collections.abc import Callable, Iterable, Sequence

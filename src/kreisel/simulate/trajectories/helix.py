@@ -1,0 +1,26 @@
+"""Turns a radius, a pitch and a period into a path that winds upwards."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from kreisel.data.trajectory import Trajectory
+from kreisel.simulate.trajectories.functions import FunctionTrajectory
+
+
+def helix(radius: float = 1.0, pitch: float = 0.5, period: float = 4.0) -> Trajectory:
+    """A helix of `radius` m around the z axis that rises by `pitch` m in every turn of `period` s; nose along it."""
+    rate = 2.0 * np.pi / period
+    return FunctionTrajectory(
+        (
+            lambda t: radius * np.cos(rate * t),
+            lambda t: radius * np.sin(rate * t),
+            lambda t: pitch / period * t,
+        ),
+        name="helix",
+    )
+
+
+def example() -> Trajectory:
+    """Radius 1 m, rising 0.5 m a turn."""
+    return helix()
