@@ -80,7 +80,7 @@ def seconds(work: Callable[[], object]) -> float:
 
 
 def race(n: int, pairs: int) -> tuple[float, float, float, float]:
-    """Medians over pairs: ns per sample of NumPy and of the kernel, their ratio, copy time over kernel time."""
+    """Medians over pairs: ns per sample of NumPy and of the kernel, NumPy/kernel, copy/kernel."""
     given = inputs(n)
     moved = np.zeros(n * (DOUBLES_IN + DOUBLES_OUT) // 2)
     rows = [

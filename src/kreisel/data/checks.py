@@ -6,7 +6,7 @@ received, what to do.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -48,6 +48,25 @@ def shaped(name: str, value: Any, shape: Sequence[int | str]) -> Array:
 def _fits(shape: tuple[int, ...], wanted: Sequence[int | str]) -> bool:
     return len(shape) == len(wanted) and all(
         isinstance(w, str) or w == s for s, w in zip(shape, wanted, strict=True)
+    )
+
+
+def row_or_column(name: str, value: Any, length: int | str = "n") -> Array:
+    """`value` (length,), (length, 1) or (1, length) as a read-only array (length,)."""
+    array = as_array(name, value)
+    if array.ndim == 2 and 1 in array.shape:
+        array = array.reshape(-1)
+    return shaped(name, array, (length,))
+
+
+def three_functions(name: str, value: Any) -> Sequence[Callable[[Any], Any]]:
+    """`value` itself when it holds three functions, else a TypeError that shows how to write them."""
+    if isinstance(value, Sequence) and len(value) == 3 and all(callable(part) for part in value):
+        return value
+    got = f"{len(value)} items" if isinstance(value, Sequence) else type(value).__name__
+    raise TypeError(
+        f"{name} must be three functions of time, as in (lambda t: np.cos(t), lambda t: np.sin(t), "
+        f'lambda t: 0 * t); got {got}. Samples go with option "num".'
     )
 
 

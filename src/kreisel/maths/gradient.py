@@ -133,11 +133,10 @@ def _turn(R: Array, e: int, low: int, k: int, high: int, body: bool) -> tuple[fl
 
 @kernel
 def _dot(R: Array, still: int, moving: int, step: int, low: int, k: int, high: int) -> float:
-    return (
-        R[still + k] * (R[moving + high] - R[moving + low])
-        + R[still + step + k] * (R[moving + step + high] - R[moving + step + low])
-        + R[still + 2 * step + k] * (R[moving + 2 * step + high] - R[moving + 2 * step + low])
-    )
+    dot: float = R[still + k] * (R[moving + high] - R[moving + low])
+    dot += R[still + step + k] * (R[moving + step + high] - R[moving + step + low])
+    dot += R[still + 2 * step + k] * (R[moving + 2 * step + high] - R[moving + 2 * step + low])
+    return dot
 
 
 @kernel
@@ -147,7 +146,8 @@ def _motion(
 ) -> None:  # fmt: skip
     n = t.shape[0]
     inverse, inverse3, x, y = np.empty(ROW), np.empty(3 * ROW), np.empty(3 * ROW), np.empty(3 * ROW)
-    matrix = np.empty(9 * ROW)
+    # Sines are taken of whole rows, so that what lies behind the last sample must be numbers.
+    angle, sine, cosine, matrix = np.zeros(3 * ROW), np.empty(3 * ROW), np.empty(3 * ROW), np.empty(9 * ROW)
     for b in range(0, n, BLOCK):
         m = min(BLOCK, n - b)
         # First derivatives run one sample ahead of the block, their arguments two: the second ones need them.
@@ -155,8 +155,9 @@ def _motion(
         _inverse_spans(t[b:], inverse, inverse3, w - 2)
         _scale_differences(s[3 * b :], inverse3, v[3 * b + 3 :], 3 * (w - 2))
         _end_slopes(s, t, v, b, b + w)
-        _split(phi[3 * b :], x, w)
-        _matrices(x, matrix, w)
+        _split(phi[3 * b :], angle, w)
+        sincos(angle, sine, cosine)
+        _matrices(sine, cosine, matrix, w)
         _join_matrices(matrix, R[9 * b :], m)
         _block_rates(matrix, inverse, y, w - 2, body)
         _join(y, omega[3 * b + 3 :], w - 2)
@@ -212,12 +213,8 @@ def _end_rates(matrix: Array, t: Array, omega: Array, b: int, w: int, body: bool
 
 
 @kernel
-def _matrices(phi: Array, matrix: Array, m: int) -> None:
+def _matrices(sine: Array, cosine: Array, matrix: Array, m: int) -> None:
     """R = Rz Ry Rx, eq. (2), of m samples; every element is a row."""
-    sine, cosine = np.empty(3 * ROW), np.empty(3 * ROW)
-    for i in range(3):
-        row = slice(i * ROW, i * ROW + m)
-        sincos(phi[row], sine[row], cosine[row])
     for k in range(m):
         sx, sy, sz = sine[k], sine[ROW + k], sine[2 * ROW + k]
         cx, cy, cz = cosine[k], cosine[ROW + k], cosine[2 * ROW + k]
