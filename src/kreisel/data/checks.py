@@ -53,7 +53,7 @@ def _fits(shape: tuple[int, ...], wanted: Sequence[int | str]) -> bool:
     )
 
 
-def same_length(t: Array, **columns: Array | None) -> None:
+def same_length(t: Array, **columns: npt.NDArray[Any] | None) -> None:
     """Refuse columns that do not have one row per time stamp."""
     for name, column in columns.items():
         if column is not None and len(column) != len(t):
