@@ -34,7 +34,7 @@ class _Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"^-[.\d].*$")
 
     def error(self, message: str) -> NoReturn:
-        words = [o for action in self._actions for o in action.option_strings] + self._command_names()
+        words = self._words()
         typed = [a for a in sys.argv[1:] if a not in words]
         # A path that happens to resemble an option is no typing mistake: only bare words are compared.
         near = [
@@ -46,13 +46,13 @@ class _Parser(argparse.ArgumentParser):
         sys.stderr.write(f"{self.prog}: {near[0] if near else message}\nSee: {self.prog} --help\n")
         raise SystemExit(2)
 
-    def _command_names(self) -> list[str]:
-        return [
-            name
-            for action in self._actions
-            if isinstance(action, argparse._SubParsersAction)
-            for name in action.choices
-        ]
+    def _words(self) -> list[str]:
+        """Options and commands, those of the commands too: argparse lets this parser speak for them."""
+        words = [option for action in self._actions for option in action.option_strings]
+        for action in self._actions:
+            if isinstance(action, argparse._SubParsersAction):
+                words += [*action.choices, *(w for sub in action.choices.values() for w in sub._words())]
+        return words
 
 
 def build_parser(only: str | None = None) -> argparse.ArgumentParser:

@@ -30,7 +30,12 @@ def write_simulation(
     """Write IMU data, truth and pictures to `folder`; the lines of a summary that names each file."""
     from kreisel.data.frames import from_enu_flu
 
-    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise type(error)(
+            f"cannot make the folder {folder}: {error.strerror}. Choose another with -o."
+        ) from None
     recordings = [Imu(mount).ideal(motion) for mount in mounts]
     lines = []
     for recording in recordings:

@@ -233,15 +233,17 @@ def _matrices(phi: Array, matrix: Array, m: int) -> None:
 
 @kernel
 def _block_rates(matrix: Array, inverse: Array, omega: Array, m: int, body: bool) -> None:
-    # The choice is outside the loops: inside it would keep them from becoming SIMD.
+    # Spelled out with constant offsets, the choice outside: through `_turn` the loops are not SIMD.
     if body:
         for k in range(m):
-            x, y, z = _turn(matrix, ROW, k, k + 1, k + 2, True)
-            omega[k], omega[ROW + k], omega[2 * ROW + k] = x * inverse[k], y * inverse[k], z * inverse[k]
+            omega[k] = inverse[k] * _dot(matrix, 2 * ROW, ROW, 3 * ROW, k, k + 1, k + 2)
+            omega[ROW + k] = inverse[k] * _dot(matrix, 0, 2 * ROW, 3 * ROW, k, k + 1, k + 2)
+            omega[2 * ROW + k] = inverse[k] * _dot(matrix, ROW, 0, 3 * ROW, k, k + 1, k + 2)
     else:
         for k in range(m):
-            x, y, z = _turn(matrix, ROW, k, k + 1, k + 2, False)
-            omega[k], omega[ROW + k], omega[2 * ROW + k] = x * inverse[k], y * inverse[k], z * inverse[k]
+            omega[k] = inverse[k] * _dot(matrix, 3 * ROW, 6 * ROW, ROW, k, k + 1, k + 2)
+            omega[ROW + k] = inverse[k] * _dot(matrix, 6 * ROW, 0, ROW, k, k + 1, k + 2)
+            omega[2 * ROW + k] = inverse[k] * _dot(matrix, 0, 3 * ROW, ROW, k, k + 1, k + 2)
 
 
 @kernel

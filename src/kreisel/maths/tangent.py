@@ -41,16 +41,26 @@ class Attitude(NamedTuple):
 class Stillness(NamedTuple):
     """What counts as no movement: more than round-off, less than anything a body does.
 
-    The derivative of order k is nil up to ``speed * rate**(k - 1)`` plus what its own derivatives bring about
-    within `instant`: time stamps are not known any better.
+    The velocity is nil up to `speed` plus what its derivatives bring about within `instant`, as time stamps are
+    not known any better. A body whose velocity is nil begins to move when its derivatives lift it above that
+    within 1 / `rate`; otherwise it is at rest.
     """
 
     speed: float = 1e-12  # m/s
-    rate: float = 1.0  # 1/s; by how much the noise grows with each derivative
+    rate: float = 10.0  # 1/s
     instant: float = 1e-12  # s; four units in the last place of t are added
+
+    def coarser(self, factor: float) -> Stillness:
+        """The same, with more counting as nil."""
+        return Stillness(factor * self.speed, self.rate, factor * self.instant)
 
 
 EXACT = Stillness()
+
+
+def instant_at(t: Array, still: Stillness) -> Array:
+    """Seconds (n,) within which times t (n,) cannot be told apart."""
+    return np.asarray(still.instant + 8.9e-16 * np.abs(t))
 
 
 def tangent_motion(t: Array, v: Array, a: Array, j: Array, still: Stillness = EXACT) -> tuple[Attitude, Mask]:
@@ -90,7 +100,7 @@ def limits(t: Array, derivatives: Array, side: int, still: Stillness = EXACT) ->
 
 
 def leading_series(t: Array, derivatives: Array, side: int, still: Stillness = EXACT) -> Array:
-    """u (3, n, 3) with two derivatives, parallel to the movement just `BEFORE` or `AFTER` t; NaN at rest.
+    """u (3, n, 3) with two derivatives, parallel to the body's movement just `BEFORE` or `AFTER` t; NaN at rest.
 
     derivatives (6, n, 3) in N: velocity and five more. Where the velocity is not nil it is u itself.
     """
@@ -173,13 +183,22 @@ def _norm(d: Array, order: int, k: int, axes: int) -> float:
 
 @kernel
 def _leading(d: Array, k: int, axes: int, speed: float, rate: float, instant: float) -> int:
-    """Index of the first derivative of row k that is not nil in its first `axes` components; -1 at rest."""
-    for m in range(d.shape[0] - 2):
-        noise = speed * rate**m
-        bend = instant * (_norm(d, m + 1, k, axes) + _norm(d, m + 2, k, axes) / rate)
-        if _norm(d, m, k, axes) > noise + bend:
-            return m
-    return -1
+    """Index of the derivative in row k, first `axes` components, that the movement begins with; -1 at rest.
+
+    It is the one that lifts the velocity above round-off first. Comparing derivatives with fixed thresholds
+    instead would take the tail of a slow beginning for a reversal.
+    """
+    nil = speed + instant * (_norm(d, 1, k, axes) + _norm(d, 2, k, axes) / rate)
+    if _norm(d, 0, k, axes) > nil:
+        return 0
+    first, soonest, factorial = -1, 1.0 / rate, 1.0
+    for m in range(1, d.shape[0] - 2):
+        factorial *= m
+        size = _norm(d, m, k, axes)
+        delay = (nil * factorial / size) ** (1.0 / m) if size > 0.0 else np.inf
+        if delay < soonest:
+            first, soonest = m, delay
+    return first
 
 
 @kernel

@@ -33,8 +33,7 @@ def plot_path(motion: Motion, mounts: Sequence[Mount] = ()) -> Figure:
     figure.text(
         0.02, 0.955, _title(motion, mounts), fontsize=style.TITLE_SIZE, color=style.INK, fontweight="bold"
     )
-    scene = figure.add_axes((0.0, 0.0, 1.0, 0.94), projection="3d")
-    assert isinstance(scene, Axes3D)
+    scene: Axes3D = figure.add_axes((0.0, 0.0, 1.0, 0.94), projection="3d")
     on = stage(motion, mounts, _BODY_SHARE)
     furnish(scene, on)
     place(scene, 0.09, 0.09, 0.90, 0.86)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -35,7 +34,7 @@ def plot_linear(motion: Motion) -> Figure:
         style.caption(axes, text, quantity)
         lines = series.draw_components(axes, motion.t, values, _IN_N)
         series.fit(axes, motion.t, values)
-    legend(panels[0], [*lines, *series.mark_notes(panels, motion.t, motion.notes)])
+    series.legend(panels[0], [*lines, *series.mark_notes(panels, motion.t, motion.notes)])
     return figure
 
 
@@ -48,7 +47,7 @@ def plot_angular(motion: Motion) -> Figure:
     angles = np.rad2deg(motion.euler)
     style.caption(panels[0], "Euler angles, intrinsic z-y-x", "φ [deg]")
     labels = ("φx about x", "φy about y", "φz about z")
-    legend(panels[0], series.draw_components(panels[0], motion.t, angles, labels, jump=_WRAP_DEG))
+    series.legend(panels[0], series.draw_components(panels[0], motion.t, angles, labels, jump=_WRAP_DEG))
     series.fit(panels[0], motion.t, angles)
     series.degree_ticks(panels[0])
     rows = (
@@ -60,7 +59,7 @@ def plot_angular(motion: Motion) -> Figure:
         lines = series.draw_components(axes, motion.t, values, _IN_B)
         series.fit(axes, motion.t, values)
         series.degrees_on_the_right(axes, in_degrees)
-    legend(panels[1], [*lines, *series.mark_notes(panels, motion.t, motion.notes)])
+    series.legend(panels[1], [*lines, *series.mark_notes(panels, motion.t, motion.notes)])
     return figure
 
 
@@ -98,23 +97,7 @@ def _readings(axes: Axes, recording: ImuRecording, ideal: ImuRecording | None, n
     # A magnetometer slower than the gyro has no sample in most rows, and none of them is missing.
     missing = series.mark_missing(axes, recording.t, values) if name != "mag_uT" else None
     series.fit(axes, recording.t, values, *([] if expected is None else [expected]))
-    legend(axes, [*handles, missing] if missing else handles)
-
-
-def legend(axes: Axes, handles: Sequence[Artist]) -> None:
-    """One row of entries above the right end of a panel, clear of the curves."""
-    axes.legend(
-        handles=list(handles),
-        loc="lower right",
-        bbox_to_anchor=(1.0, 0.99),
-        ncols=len(handles),
-        frameon=False,
-        fontsize=style.TICK_SIZE,
-        labelcolor=style.INK,
-        handlelength=1.8,
-        columnspacing=1.4,
-        borderaxespad=0.1,
-    )
+    series.legend(axes, [*handles, missing] if missing else handles)
 
 
 def _title(name: str, what: str) -> str:

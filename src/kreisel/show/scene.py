@@ -42,7 +42,7 @@ def stage(motion: Motion, mounts: Sequence[Mount], share: float) -> Stage:
     # A thousandth of the picture is less than a pixel.
     thin = [p[along_path(p, 1e-3 * max(extent, length))] for p in paths]
     low, high = (np.array([getattr(p, side)(axis=0) for p in thin]) for side in ("min", "max"))
-    low, high = low.min(axis=0) - 0.7 * length, high.max(axis=0) + 0.7 * length
+    low, high = low.min(axis=0) - 0.6 * length, high.max(axis=0) + 0.6 * length
     centre, half = 0.5 * (low + high), 0.5 * (high - low)
     half = np.maximum(half, _FLATTEST * half.max())
     return Stage(thin[0], tuple(thin[1:]), centre - half, centre + half, length)
@@ -64,7 +64,7 @@ def furnish(scene: Axes3D, on: Stage) -> None:
     for axis, label, side in labelled:
         axis.set_pane_color(style.PANEL)
         axis.line.set(color=style.FAINT_INK, linewidth=0.7)
-        axis.set_major_locator(MaxNLocator(5 if side > 0.5 * sides.max() else 3))
+        axis.set_major_locator(MaxNLocator(5 if side > 0.6 * sides.max() else 3))
         axis.set_label_text(f"{label} [m]", fontsize=style.LABEL_SIZE, color=style.INK)
         axis.labelpad = 7.0
         axis.set_tick_params(labelsize=style.TICK_SIZE, labelcolor=style.INK, color=style.GRID)
@@ -79,7 +79,7 @@ def place(scene: Axes3D, left: float, bottom: float, right: float, top: float) -
     A flat box would otherwise leave most of a figure empty, and a cube overlap its title.
     """
     for _ in range(3):  # perspective makes the size only nearly proportional to the zoom
-        box = _seen_box(scene)
+        box = seen_box(scene)
         at, size = scene.get_position(), box[1] - box[0]
         zoom = min((right - left) / size[0], (top - bottom) / size[1])
         width, height = at.width * zoom, at.height * zoom
@@ -88,7 +88,7 @@ def place(scene: Axes3D, left: float, bottom: float, right: float, top: float) -
         scene.set_position((x - 0.5 * width, y - 0.5 * height, width, height))
 
 
-def _seen_box(scene: Axes3D) -> Array:
+def seen_box(scene: Axes3D) -> Array:
     """Lower left and upper right corner (2, 2) of the box as it is seen, in fractions of the figure."""
     scene.apply_aspect()
     corners = np.array(np.meshgrid(scene.get_xlim(), scene.get_ylim(), scene.get_zlim())).reshape(3, -1)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator, ScalarFormatter
@@ -34,10 +35,11 @@ def draw_components(
 ) -> list[Line2D]:
     """A line for each column of `values` (n, 3) at times `t` (n,); samples without neighbours become dots."""
     lines = []
-    width = style.LINE_WIDTH if len(t) < COLUMNS else style.DENSE_LINE_WIDTH
+    sparse = len(t) < COLUMNS
+    width, alpha = (style.LINE_WIDTH, 1.0) if sparse else (style.DENSE_LINE_WIDTH, style.DENSE_ALPHA)
     for column, colour, label in zip(values.T, colours, labels, strict=True):
         at, y = drawable(t, column, jump)
-        options = {"color": colour, "label": label, "linewidth": width, **look}
+        options = {"color": colour, "label": label, "linewidth": width, "alpha": alpha, **look}
         (line,) = axes.plot(at, y, solid_joinstyle="round", **options)
         lonely = alone(y)
         if len(lonely):
@@ -134,6 +136,22 @@ def mark_notes(panels: Sequence[Axes], t: Array, notes: Sequence[Note]) -> list[
         lines[0].set_label(f"{kind.replace('-', ' ')} ({len(times)})")
         handles.append(lines[0])
     return handles
+
+
+def legend(axes: Axes, handles: Sequence[Artist]) -> None:
+    """One row of entries above the right end of a panel, clear of the curves."""
+    axes.legend(
+        handles=list(handles),
+        loc="lower right",
+        bbox_to_anchor=(1.0, 0.99),
+        ncols=len(handles),
+        frameon=False,
+        fontsize=style.TICK_SIZE,
+        labelcolor=style.INK,
+        handlelength=1.8,
+        columnspacing=1.4,
+        borderaxespad=0.1,
+    )
 
 
 def _uprights(axes: Axes, at: Array, dash: tuple[int, tuple[float, ...]]) -> Line2D:

@@ -83,7 +83,9 @@ def _start(clock: Clock) -> str:
 def _rate(clock: Clock) -> str:
     if clock.rows < 2:
         return "one row only"
-    return f"{clock.rate_hz:.6g} Hz (median step {_time(clock.step)}, jitter {_time(clock.jitter)})"
+    # Stamps are whole nanoseconds: anything less is round-off of the reading.
+    jitter = f"jitter {_time(clock.jitter)}" if clock.jitter > 0.5e-9 else "no jitter"
+    return f"{clock.rate_hz:.6g} Hz (median step {_time(clock.step)}, {jitter})"
 
 
 def _time(seconds: float) -> str:

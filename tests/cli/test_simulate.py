@@ -1,0 +1,189 @@
+"""`kreisel simulate` and `kreisel demo` as a user runs them, with good files and bad ones."""
+
+import numpy as np
+import pytest
+
+from kreisel.cli.commands.simulate import parse_mount
+from kreisel.cli.main import main
+from kreisel.data.trajectory import Poses
+from kreisel.files.doors import read, write
+from kreisel.maths.rotations import matrix_from_euler
+
+
+def circle(n=200, rate=50.0):
+    """Two metres of radius at one radian per second, nose along the path: 2 m/s^2 to the left."""
+    t = np.arange(n) / rate
+    p = np.stack([2.0 * np.cos(t), 2.0 * np.sin(t), np.zeros(n)], axis=1)
+    return Poses(t, p, matrix_from_euler(np.stack([0 * t, 0 * t, t + np.pi / 2], axis=1)))
+
+
+@pytest.fixture
+def poses(tmp_path):
+    path = tmp_path / "circle.csv"
+    write(path, circle())
+    return path
+
+
+def test_a_pose_file_becomes_a_folder(poses, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["simulate", str(poses), "-o", str(out)]) == 0
+    assert sorted(p.name for p in out.iterdir()) == [
+        "angular.png", "imu.csv", "imu.png", "linear.png", "path.png", "truth.npz", "truth.tum",
+    ]  # fmt: skip
+    text = capsys.readouterr().out
+    assert "200 poses" in text
+    assert "interpolated" in text
+    for path in out.iterdir():
+        assert path.name in text
+    recording = read(out / "imu.csv", kind="imu")
+    # A spline of degree 9 on 50 samples a radian: round-off.
+    np.testing.assert_allclose(recording.gyro, np.tile([0, 0, 1.0], (200, 1)), atol=1e-8)
+    np.testing.assert_allclose(recording.accel, np.tile([0, 2.0, 9.80665], (200, 1)), atol=1e-6)
+
+
+def test_rate_mounts_and_orientation(poses, tmp_path):
+    out = tmp_path / "out"
+    options = [
+        "--rate",
+        "400",
+        "--imu",
+        "nose:0.5,0,0",
+        "--imu",
+        "-0.5,0,0:0,0,180",
+        "--orientation",
+        "tangent",
+    ]
+    assert main(["simulate", str(poses), "-o", str(out), "--no-pictures", *options]) == 0
+    nose, tail = read(out / "nose.csv", kind="imu"), read(out / "imu2.csv", kind="imu")
+    np.testing.assert_allclose(np.diff(nose.t), 1.0 / 400.0, atol=1e-9)
+    # At constant rate half a metre ahead adds omega^2 r = 0.5 m/s^2 towards the tail; turned by half a turn
+    # the sensor in the tail reads the mirror image.
+    np.testing.assert_allclose(nose.accel, np.tile([-0.5, 2.0, 9.80665], (len(nose), 1)), atol=1e-5)
+    np.testing.assert_allclose(tail.accel, np.tile([-0.5, -2.0, 9.80665], (len(tail), 1)), atol=1e-5)
+
+
+def test_ned_in_and_out(poses, tmp_path):
+    ned = tmp_path / "ned.csv"
+    assert main(["convert", str(poses), str(ned), "--to-frame", "ned-frd"]) == 0
+    out = tmp_path / "out"
+    command = [
+        "simulate",
+        str(ned),
+        "-o",
+        str(out),
+        "--frame",
+        "ned-frd",
+        "--to-frame",
+        "ned-frd",
+        "--no-pictures",
+    ]
+    assert main(command) == 0
+    recording = read(out / "imu.csv", kind="imu")
+    # The same left turn in forward-right-down: yaw rate and centripetal acceleration change their signs.
+    np.testing.assert_allclose(recording.accel, np.tile([0, -2.0, -9.80665], (200, 1)), atol=1e-6)
+    np.testing.assert_allclose(recording.gyro, np.tile([0, 0, -1.0], (200, 1)), atol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "p_BS"),
+    [
+        ("1,2,3", "imu", [1, 2, 3]),
+        ("wrist:-0.1,0,.5", "wrist", [-0.1, 0, 0.5]),
+        ("-1e-3,0,0:0,0,90", "imu", [-1e-3, 0, 0]),
+    ],
+)
+def test_mounts_are_read(text, name, p_BS):
+    mount = parse_mount(text)
+    assert mount.name == name
+    np.testing.assert_array_equal(mount.p_BS, p_BS)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "1,2", "a:b", "1,2,3:4", "../x:1,2,3", ":1,2,3", "x:1,2,nan", "1,2,3:0,0,1:2"]
+)
+def test_mounts_that_cannot_be_are_refused(text, poses, tmp_path, capsys):
+    assert main(["simulate", str(poses), "-o", str(tmp_path / "out"), f"--imu={text}"]) == 1
+    assert not (tmp_path / "out").exists()
+    assert capsys.readouterr().err.startswith("kreisel: ")
+
+
+def bad_file(tmp_path, text):
+    path = tmp_path / "bad.csv"
+    path.write_text(text)
+    return path
+
+
+HEADER = "t [s],p_x [m],p_y [m],p_z [m]\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "empty"),
+        (HEADER, "no rows"),
+        (HEADER + "0,0,0,0\n1,nan,0,0\n", "line 3"),
+        (HEADER + "0,0,0,0\n0,1,0,0\n", "stands still"),
+        (HEADER + "0,0,0,0\n1,1,0\n", "line 3"),
+        (HEADER + "0,0,0,0\n1,1,0,0\n", "at least 6 samples; got 2"),
+        ("time,x,y\n1,2,3\n", "bad.csv"),
+    ],
+)
+def test_bad_files_end_in_one_line_and_exit_code_1(tmp_path, capsys, text, message):
+    code = main(["simulate", str(bad_file(tmp_path, text)), "-o", str(tmp_path / "out")])
+    err = capsys.readouterr().err
+    assert code == 1
+    assert message in err
+    assert err.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_that_cannot_be_made_is_named(poses, tmp_path, capsys):
+    (tmp_path / "file").write_text("")
+    assert main(["simulate", str(poses), "-o", str(tmp_path / "file" / "out"), "--no-pictures"]) == 1
+    assert "cannot make the folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["simulte"], "did you mean 'simulate'"),
+        (["simulate", "x.csv", "-o", "y", "--methd", "auto"], "did you mean '--method'"),
+        (["simulate", "x.csv"], "-o/--output"),
+    ],
+)
+def test_mistyped_commands_get_a_suggestion_and_exit_code_2(arguments, message, capsys, monkeypatch):
+    monkeypatch.setattr("sys.argv", ["kreisel", *arguments])
+    with pytest.raises(SystemExit) as stop:
+        main()
+    assert stop.value.code == 2
+    assert message in capsys.readouterr().err
+
+
+def test_method_and_frame_names_are_checked(poses, tmp_path, capsys):
+    out = str(tmp_path / "out")
+    assert main(["simulate", str(poses), "-o", out, "--method", "smoth"]) == 1
+    assert "Did you mean 'smooth'" in capsys.readouterr().err
+    assert main(["simulate", str(poses), "-o", out, "--frame", "ned"]) == 1
+    assert "ned-frd" in capsys.readouterr().err
+    assert main(["simulate", str(poses), "-o", out, "--rate", "-5"]) == 1
+    assert "--rate must be a positive number" in capsys.readouterr().err
+
+
+def test_the_demo_makes_what_it_says(tmp_path, capsys):
+    assert main(["demo", "-o", str(tmp_path)]) == 0
+    text = capsys.readouterr().out
+    names = {
+        "imu.csv",
+        "truth.tum",
+        "truth.npz",
+        "path.png",
+        "linear.png",
+        "angular.png",
+        "imu.png",
+        "motion.gif",
+    }
+    assert {p.name for p in tmp_path.iterdir()} == names
+    assert all(name in text for name in names)
+    recording = read(tmp_path / "imu.csv", kind="imu")
+    assert len(recording) == 1001
+    assert np.isfinite(recording.accel).all()
