@@ -27,6 +27,9 @@ _TOO_STILL = 1e-4
 # rad/s: a rate that varies less tells time no better than its noise does.
 _TOO_STEADY = 1e-3
 
+# s: differences over less are mostly noise in attitudes that carry any.
+_CALM = 0.02
+
 _PASSES = 30
 _SETTLED = 1e-14  # rad or s: round-off
 
@@ -96,7 +99,7 @@ def fit(truth: Track, estimate: Track, kind: str | None, clock: float | None) ->
 
 def _fitted(truth: Track, estimate: Track, kind: str, clock: float, fit_clock: bool) -> Offsets:
     """Gauss-Newton on the errors as rotation vectors, from a start in closed form."""
-    seen = _inside(truth, estimate, clock, _MARGIN * _coarser_step(truth, estimate) if fit_clock else 0.0)
+    seen = _inside(truth, estimate, clock, _MARGIN * _rough_step(truth, estimate) if fit_clock else 0.0)
     best = offsets = _start(seen, estimate, kind, clock)
     least = np.inf
     for _ in range(_PASSES):
@@ -110,10 +113,6 @@ def _fitted(truth: Track, estimate: Track, kind: str, clock: float, fit_clock: b
             break
         offsets = _moved(offsets, kind, step)
     return best
-
-
-def _coarser_step(truth: Track, estimate: Track) -> float:
-    return max(float(np.median(np.diff(truth.t))), float(np.median(np.diff(estimate.t))))
 
 
 def _inside(truth: Track, estimate: Track, clock: float, margin: float) -> Track:
@@ -210,21 +209,25 @@ def _rough_clock(truth: Track, estimate: Track) -> float:
     """Clock offset to the nearest step, from how fast each turns: that needs no common frame."""
     if min(len(truth.t), len(estimate.t)) < 3:
         raise ValueError(_STEADY)
-    step = _coarser_step(truth, estimate)
+    step = _rough_step(truth, estimate)
+    if min(truth.t[-1] - truth.t[0], estimate.t[-1] - estimate.t[0]) < 3.0 * step:
+        raise ValueError(_STEADY)
     a, b = _speed(truth, step), _speed(estimate, step)
     if min(a.std(), b.std()) < _TOO_STEADY:
         raise ValueError(_STEADY)
     from scipy.signal import correlate
 
-    # Divided by the root of the number of samples that meet, so that short overlaps do not win by chance
-    # and long ones not by length.
-    match = correlate(b - b.mean(), a - a.mean(), mode="full")
-    met = correlate(np.ones_like(b), np.ones_like(a), mode="full")
-    lag = int(np.argmax(match / np.sqrt(np.rint(met)))) - (len(a) - 1)
+    # Not divided by how many samples meet: of two that match alike, the longer overlap is the likelier.
+    lag = int(np.argmax(correlate(b - b.mean(), a - a.mean(), mode="full"))) - (len(a) - 1)
     return lag * step + float(estimate.t[0] - truth.t[0])
+
+
+def _rough_step(truth: Track, estimate: Track) -> float:
+    steps = [float(np.median(np.diff(track.t))) for track in (truth, estimate)]
+    return max(*steps, _CALM)
 
 
 def _speed(track: Track, step: float) -> Array:
     """abs(rate) on a regular grid."""
-    rate = np.linalg.norm(_central_rate_N(track), axis=1)
-    return np.interp(np.arange(track.t[0], track.t[-1], step), track.t, rate)
+    t = np.arange(track.t[0], track.t[-1], step)
+    return np.asarray(np.linalg.norm(_central_rate_N(Track(t, _at(track, t))), axis=1))
