@@ -216,3 +216,11 @@ def test_a_format_describes_itself(name: str) -> None:
     assert module.KEEPS
     assert module.SUFFIX is None or module.SUFFIX.startswith(".")
     assert doors.format_name(module) == name
+
+
+def test_the_docs_table_lists_every_format() -> None:
+    page = (Path(__file__).resolve().parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")
+    listed = [
+        line.split("`")[1] for line in page.splitlines() if line.startswith("| `") and "reads" not in line
+    ]
+    assert set(FORMATS) <= set(listed)

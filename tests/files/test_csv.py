@@ -88,7 +88,7 @@ def test_text_columns_in_between_are_passed_over(tmp_path: Path) -> None:
 
 def test_both_poses_and_imu_need_a_word(tmp_path: Path) -> None:
     path = file(tmp_path, "t,x,y,z,gx,gy,gz,ax,ay,az\n0,1,2,3,4,5,6,7,8,9\n1,1,2,3,4,5,6,7,8,9\n")
-    with pytest.raises(ValueError, match="Say which to read"):
+    with pytest.raises(ValueError, match="Say which: kind"):
         kreisel.read(path)
     assert isinstance(kreisel.read(path, kind="imu"), kreisel.ImuRecording)
     assert isinstance(kreisel.read(path, kind="poses"), kreisel.Poses)

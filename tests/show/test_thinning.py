@@ -99,6 +99,8 @@ def test_no_stroke_of_a_thinned_angle_crosses_a_wrap(turns: float, noise: float)
     y = (angle + 180.0) % 360.0 - 180.0
     at, value = drawable(t, y, jump=120.0, columns=columns)
     assert len(at) < 12 * columns
+    # Values of one side of the wrap are joined to strokes; a heap of dots would leave a fast spin unfilled.
+    assert len(alone(value)) < 0.01 * len(value)
     # A stroke that bridges a wrap would be nearly 360 high; a quarter more than half a turn is a fast spin.
     assert max(np.abs(np.diff(v)).max(initial=0.0) for _, v in pieces(at, value)) < 190.0
     span = (0.0, 1.0)

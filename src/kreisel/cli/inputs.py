@@ -8,12 +8,12 @@ from pathlib import Path
 
 from kreisel.data.checks import choice
 from kreisel.data.frames import WORLDS, to_enu_flu
-from kreisel.files.doors import format_names, read
+from kreisel.files.doors import KINDS, format_names, read
 from kreisel.files.formats import Noun
 
 
 def add_input_arguments(parser: ArgumentParser, many: bool = False) -> None:
-    """`input` (a list with `many`), --from, --frame, --column, --input-rate and --times."""
+    """`input` (a list with `many`), --from, --kind, --frame, --column, --input-rate and --times."""
     if many:
         parser.add_argument("input", nargs="+", metavar="FILE", help="files to read")
     else:
@@ -23,6 +23,9 @@ def add_input_arguments(parser: ArgumentParser, many: bool = False) -> None:
         dest="from_format",
         metavar="FORMAT",
         help=f"format of the input, where suffix and content do not tell: {', '.join(format_names())}",
+    )
+    parser.add_argument(
+        "--kind", metavar="KIND", help=f"what to take from a file that has several: {', '.join(KINDS)}"
     )
     parser.add_argument(
         "--frame",
@@ -44,13 +47,13 @@ def add_input_arguments(parser: ArgumentParser, many: bool = False) -> None:
 def read_input(args: Namespace, path: str | None = None, kind: str | None = None) -> Noun:
     """What `args.input`, or `path` in its place, holds: in ENU/FLU, SI units and radians.
 
-    kind : "poses", "motion" or "imu" to insist on one, as `kreisel.read` has it.
+    kind : "poses", "motion" or "imu" to insist on one whatever --kind says, as `kreisel.read` has it.
     """
     choice("--frame", args.frame, tuple(WORLDS))
     data = read(
         Path(args.input if path is None else path),
         args.from_format,
-        kind=kind,
+        kind=kind or args.kind,
         columns=parse_columns(args.column),
         rate_hz=args.input_rate,
         times=args.times,

@@ -100,7 +100,7 @@ def _foreign(path: Path, arrays: Mapping[str, Any], options: ReadOptions) -> Nou
             found[ours] = _rows(name, arrays[name], _WIDTHS.get(ours))
     imu, poses = "gyro" in found and "accel" in found, "p_NB" in found
     if imu and poses and options.kind is None:
-        raise ValueError("has both positions and IMU data. Say which to read: kind='poses' or kind='imu'.")
+        raise ValueError("has both positions and IMU data. Say which: kind='poses' or kind='imu' (--kind).")
     if not imu and not poses:
         listed = ", ".join(sorted(name for name in arrays if not name.startswith("__"))) or "nothing"
         raise ValueError(

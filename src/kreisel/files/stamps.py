@@ -46,6 +46,7 @@ def nanoseconds(fields: Fields, digits: int) -> Nanoseconds:
     Digits beyond the nanosecond are rounded half up.
     """
     chars = fields.view(np.uint8).reshape(len(fields), -1)
+    chars = chars[:, : 1 + int(np.flatnonzero(chars.any(axis=0)).max(initial=0))]
     signed = (chars[:, 0] == ord("-")) | (chars[:, 0] == ord("+"))
     plain = ((chars >= ord("0")) & (chars <= ord("9"))) | (chars == ord(".")) | (chars == 0)
     plain[:, 0] |= signed
@@ -63,7 +64,7 @@ def _accumulate(chars: npt.NDArray[np.uint8], digits: int) -> Nanoseconds:
     decimals = np.zeros(len(chars), dtype=np.int64)
     after_point = np.zeros(len(chars), dtype=bool)
     round_up = np.zeros(len(chars), dtype=bool)
-    for column in chars.T:
+    for column in np.ascontiguousarray(chars.T):
         digit = (column >= ord("0")) & (column <= ord("9"))
         kept = digit & (decimals < digits) | digit & ~after_point
         first_dropped = digit & after_point & (decimals == digits)

@@ -15,6 +15,7 @@ import numpy as np
 from kreisel.data.checks import Array
 from kreisel.files.stamps import Fields, clock
 
+CONTROL = bytes({*range(32), 127} - {*b"\t\n\v\f\r"})
 STAMP_WIDTH = 48  # bytes; float64 in full takes 25, nanosecond epochs 20
 
 
@@ -81,10 +82,10 @@ def decode(path: Path, data: bytes) -> str:
             return data.decode("utf-16")
         except UnicodeDecodeError:
             raise ValueError(f"{path} is not a text file: broken UTF-16. Save it again as UTF-8.") from None
-    control = re.search(rb"[\x00-\x08\x0e-\x1f\x7f]", data)
-    if control:
+    if len(data.translate(None, CONTROL)) < len(data):
+        at = next(k for k, byte in enumerate(data) if byte in CONTROL)
         raise ValueError(
-            f"{path} is not a text file: byte {control.start()} is {data[control.start()]:#04x}. "
+            f"{path} is not a text file: byte {at} is {data[at]:#04x}. "
             "Check that it was not cut or compressed, or name its format."
         )
     try:
@@ -134,9 +135,12 @@ def load(
     kind: Any = np.float64
     if stamp is not None:
         kind = np.dtype([("stamp", f"S{STAMP_WIDTH}"), ("values", np.float64, (len(use),))])
-    rows = _filled(file.rows, delimiter)
+    rows, text = file.rows, "\n".join(file.rows)
+    if delimiter is not None and _has_gaps(text, delimiter):
+        gap = re.compile(rf"(?:(?<={re.escape(delimiter)})|^)[ ]*(?={re.escape(delimiter)}|$)")
+        rows = [gap.sub("nan", row.strip(" ")) for row in rows]
+    quote = '"' if '"' in text else None
     _check_widths(file, rows, delimiter, len(names))
-    quote = '"' if any('"' in row for row in rows) else None
     try:
         table = np.loadtxt(
             rows, dtype=kind, delimiter=delimiter, usecols=columns, comments=None, quotechar=quote, ndmin=1
@@ -150,15 +154,11 @@ def load(
     )
 
 
-def _filled(rows: list[str], delimiter: str | None) -> list[str]:
-    """Rows with "nan" in empty fields, as loggers leave them where a sensor had no sample."""
-    if delimiter is None:
-        return rows
-    gap = re.compile(rf"(?:(?<={re.escape(delimiter)})|^)[ ]*(?={re.escape(delimiter)}|$)")
-    twice, spaced = delimiter * 2, f"{delimiter} {delimiter}"
-    if not any(twice in r or r[0] == delimiter or r[-1] == delimiter or spaced in r for r in rows):
-        return rows
-    return [gap.sub("nan", row.strip(" ")) for row in rows]
+def _has_gaps(text: str, delimiter: str) -> bool:
+    """Whether a field is empty, as loggers leave it where a sensor had no sample."""
+    d = delimiter
+    inside = d + d in text or f"{d} {d}" in text
+    return inside or f"{d}\n" in text or f"\n{d}" in text or text.startswith(d) or text.endswith(d)
 
 
 def _check_widths(file: TextFile, rows: list[str], delimiter: str | None, width: int) -> None:

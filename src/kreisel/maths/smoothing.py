@@ -45,6 +45,7 @@ class SmoothSignal:
 
     splines: tuple[SplineSignal, ...]
     sigma: Array  # (c,) standard deviation of the noise taken out, in the unit of the samples
+    rate_sigma: Array  # (c,) standard deviation of what noise is left in the first derivative, per second
 
     def __call__(self, t: Array, order: int) -> Array:
         """(order + 1, n, c): value and derivatives at increasing times t (n,)."""
@@ -59,11 +60,14 @@ def smoothing_spline(t: Array, x: Array, *, rate: Array | None = None, shared: b
     """
     groups = [slice(None)] if shared else [slice(c, c + 1) for c in range(x.shape[1])]
     fits = [_fit(t, x[:, g], None if rate is None else rate[:, g]) for g in groups]
-    return SmoothSignal(tuple(SplineSignal(f[0]) for f in fits), np.concatenate([f[1] for f in fits]))
+    splines, sigma, rate_sigma = zip(*fits, strict=True)
+    return SmoothSignal(
+        tuple(SplineSignal(s) for s in splines), np.concatenate(sigma), np.concatenate(rate_sigma)
+    )
 
 
-def _fit(t: Array, x: Array, rate: Array | None) -> tuple[BSpline, Array]:
-    """The spline through all samples, and the noise of each column."""
+def _fit(t: Array, x: Array, rate: Array | None) -> tuple[BSpline, Array, Array]:
+    """The spline behind all samples, the noise of each column, and what is left of it in the derivative."""
     centre = x.mean(axis=0)
     spacing = float(np.median(np.diff(t)))
     while True:
@@ -73,7 +77,12 @@ def _fit(t: Array, x: Array, rate: Array | None) -> tuple[BSpline, Array]:
         spacing *= 2.0
     system = _System(t, x - centre, rate, spacing)
     solution = system.solve(10.0**log_penalty, 10.0**log_weight)
-    return BSpline(system.knots, solution.coefficients + centre, DEGREE), solution.sigma
+    # Such a fit is a low-pass 1 / (1 + (w / cutoff)^(2 ORDER)) (Silverman 1984); white noise through it and
+    # one differentiation has the variance sigma^2 dt cutoff^3 / (3 pi).
+    cutoff = 10.0 ** (-log_penalty / (2 * ORDER)) / spacing
+    step = (t[-1] - t[0]) / (len(t) - 1)
+    rate_sigma = solution.sigma * np.sqrt(step * cutoff**3 / (3.0 * np.pi))
+    return BSpline(system.knots, solution.coefficients + centre, DEGREE), solution.sigma, rate_sigma
 
 
 def _most_likely(t: Array, x: Array, rate: Array | None, spacing: float) -> tuple[float, float]:

@@ -42,16 +42,16 @@ def drawn_length(extent: float, reach: float, share: float) -> float:
     return max(share * extent, 2.0 * reach) or 0.3
 
 
-def instants(p_NB: Array, apart: float, most: int) -> npt.NDArray[np.intp]:
-    """Up to `most` rows at which bodies drawn cover a path (n, 3) evenly without hiding one another.
+def instants(p: Array, apart: float, most: int) -> npt.NDArray[np.intp]:
+    """Up to `most` rows at which bodies drawn cover the path `p` (n, 2) evenly without hiding one another.
 
     The first row, then again and again the one farthest from all taken, until none is left that is
-    `apart` m from them. Even spacing in time would put a body that goes round and round into the same
-    places.
+    `apart` m from them. `p` is the path as it is seen, without depth. Even spacing in time would put a body
+    that goes round and round into the same places.
     """
     taken = [0]
-    distance = np.linalg.norm(p_NB - p_NB[0], axis=1)
+    distance = np.linalg.norm(p - p[0], axis=1)
     while len(taken) < most and distance.max() > apart:
         taken.append(int(np.argmax(distance)))
-        distance = np.minimum(distance, np.linalg.norm(p_NB - p_NB[taken[-1]], axis=1))
+        distance = np.minimum(distance, np.linalg.norm(p - p[taken[-1]], axis=1))
     return np.sort(taken)

@@ -9,12 +9,13 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
+from matplotlib.patheffects import withStroke
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from kreisel.data.motion import Motion, Mount
 from kreisel.show import body, style
-from kreisel.show.scene import Stage, furnish, place, sensor_path, stage
+from kreisel.show.scene import Stage, as_seen, furnish, place, sensor_path, stage
 
 _BODIES = 9
 _BODY_SHARE = 0.14
@@ -37,7 +38,7 @@ def plot_path(motion: Motion, mounts: Sequence[Mount] = ()) -> Figure:
     on = stage(motion, mounts, _BODY_SHARE)
     furnish(scene, on)
     place(scene, 0.09, 0.09, 0.90, 0.86)
-    rows = body.instants(motion.p_NB, 1.4 * on.length, _BODIES)
+    rows = body.instants(as_seen(motion.p_NB), 1.4 * on.length, _BODIES)
     _draw_bodies(scene, motion, rows, on.length)
     handles = [*_draw_paths(scene, on, mounts), *_draw_dots(scene, motion, mounts, rows, on)]
     wedge = Polygon([(0.0, 0.0)], facecolor=style.BODY, label="body, nose forward")
@@ -60,6 +61,8 @@ def _draw_bodies(scene: Axes3D, motion: Motion, rows: npt.NDArray[np.intp], leng
     )
     bodies.set(zorder=3.0, gid="bodies")
     scene.add_collection3d(bodies, autolim=False)
+    # The box is placed to fill the figure and may stick out of its axes.
+    bodies.set_clip_on(False)
 
 
 def _draw_paths(scene: Axes3D, on: Stage, mounts: Sequence[Mount]) -> list[Line2D]:
@@ -84,19 +87,12 @@ def _draw_dots(
         marker = style.IMU_MARKERS[k % len(style.IMU_MARKERS)]
         dots = {"marker": marker, "markersize": 5.0, "color": style.IMU[k % len(style.IMU)]}
         handles += scene.plot(*at.T, zorder=6.0, label=_name(mount, k, mounts), **{**look, **dots})
-    x, y, z = motion.p_NB[0]
-    ring = {"marker": "o", "markersize": 13.0, "markerfacecolor": "none"}
-    handles += scene.plot(
-        [x],
-        [y],
-        [z],
-        zorder=7.0,
-        linestyle="none",
-        label="start",
-        color=style.INK,
-        markeredgewidth=1.4,
-        **ring,
+    ring = {"marker": "o", "markersize": 13.0, "markerfacecolor": "none", "markeredgewidth": 1.4}
+    (start,) = scene.plot(
+        *motion.p_NB[:1].T, zorder=7.0, linestyle="none", color=style.INK, label="start", **ring
     )
+    start.set_path_effects([withStroke(linewidth=3.5, foreground=style.PAPER)])  # seen on dark red too
+    handles.append(start)
     return handles
 
 

@@ -19,6 +19,7 @@ from kreisel.show.thinning import along_path
 
 # Sides of the box are at least this share of its longest: a plane path is seen in a room, not in a slot.
 _FLATTEST = 0.3
+_ELEVATION_DEG, _AZIMUTH_DEG = 27.0, -58.0  # of the eye, seen from the scene
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,10 +54,16 @@ def sensor_path(motion: Motion, mount: Mount) -> Array:
     return np.asarray(motion.p_NB + motion.R_NB @ mount.p_BS)
 
 
+def as_seen(p_N: Array) -> Array:
+    """Points (n, 3) in N as the eye sees them from far, without depth: (n, 2) m, to the right and up."""
+    (ce, se), (ca, sa) = ((np.cos(a), np.sin(a)) for a in np.deg2rad([_ELEVATION_DEG, _AZIMUTH_DEG]))
+    return np.asarray(p_N @ np.array([[-sa, -se * ca], [ca, -se * sa], [0.0, ce]]))
+
+
 def furnish(scene: Axes3D, on: Stage) -> None:
     """Give `scene` the limits, equal scales, grid and labels of a stage, and the shadow of its path."""
     scene.computed_zorder = False
-    scene.view_init(elev=27.0, azim=-58.0)
+    scene.view_init(elev=_ELEVATION_DEG, azim=_AZIMUTH_DEG)
     scene.set(xlim=(on.low[0], on.high[0]), ylim=(on.low[1], on.high[1]), zlim=(on.low[2], on.high[2]))
     scene.set_box_aspect(tuple(on.high - on.low))
     sides = on.high - on.low
@@ -110,5 +117,6 @@ def _draw_grid(scene: Axes3D, on: Stage) -> None:
     lines += [[(x1, y, z0), (x0, y, z0), (x0, y, z1)] for y in at[1]]
     lines += [[(x0, y0, z), (x0, y1, z), (x1, y1, z)] for z in at[2]]
     scene.add_collection3d(
-        Line3DCollection(lines, colors=style.GRID_IN_SPACE, linewidths=0.7, zorder=0.5), autolim=False
+        Line3DCollection(lines, colors=style.GRID_IN_SPACE, linewidths=0.7, zorder=0.5, clip_on=False),
+        autolim=False,
     )

@@ -141,7 +141,7 @@ def _kind(path: Path, found: Mapping[str, Column], headers: list[str], asked: st
     imu, poses = {"gyro", "accel"} <= groups, "p" in groups
     if imu and poses and asked is None:
         raise ValueError(
-            f"{path} has both positions and IMU columns. Say which to read: kind='poses' or kind='imu'."
+            f"{path} has both positions and IMU columns. Say which: kind='poses' or kind='imu' (--kind)."
         )
     if (asked == "imu" or not poses) and imu:
         return "imu"

@@ -106,7 +106,7 @@ class SampledTrajectory:
             return self._gradient_motion(times)
         position, position_note = self._position
         if isinstance(self.orientation, str):
-            R, omega, alpha, notes = _along_path(position, times, self.orientation, self.t)
+            R, omega, alpha, notes = _follow(position, times, self.span)
         else:
             attitude, attitude_note = self._attitude
             R, omega, alpha = quaternion_motion(*attitude(times, 2))
