@@ -12,8 +12,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.maths.rotations import rotation_defect
-
 Array = npt.NDArray[np.float64]
 """float64 array; its shape, unit and frame are in the comment beside it."""
 
@@ -93,6 +91,9 @@ def rotations(name: str, R: Array, tolerance: float = 1e-6) -> Array:
 
     The tolerance lets six printed digits pass and refuses anything that was scaled, sheared or mirrored.
     """
+    # Loaded here: it brings numba, which a look at a file's help need not wait for.
+    from kreisel.maths.rotations import rotation_defect
+
     finite(name, R)
     defect = rotation_defect(R.reshape(-1, 3, 3))
     bad = defect > tolerance

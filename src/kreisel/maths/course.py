@@ -26,26 +26,22 @@ class Course(NamedTuple):
 
     floor: float  # m/s, horizontal speed under which the direction is noise
     left: Array  # (m,) s, begin of each stretch under the floor
-    right: Array  # (m,) s, its end
+    right: Array  # (m,) s, its end; infinite where the path ends in it
     heading: Array  # (m, 2) cosine and sine of the heading held in it
     turn: Array  # (m,) rad, by how much the heading jumps at its end; 0 where the path ends
 
 
 def course(position: Signal, t: Array, floor: float) -> Course:
     """Stretches without a direction of the path `position`, found between its sample times `t` (n,) s."""
-    lows = _lowest(position, t)
-    low = _speed(position, lows) <= floor
-    # Stretches in which several times are low are found several times, with the same ends.
-    left, right = _edges(position, t, lows[low], floor)
-    left, first = np.unique(left, return_index=True)
-    right = right[first]
+    left, right = _stretches(position, t, floor)
     before, after = (_direction(position, edge) for edge in (left, right))
     # A path that begins at rest has the heading of its first movement; one that never moves heads east.
     before[left <= t[0]] = after[left <= t[0]]
     before[(left <= t[0]) & (right >= t[-1])] = [1.0, 0.0]
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     turn = np.abs(np.arctan2(cross, np.sum(before * after, axis=1)))
-    return Course(floor, left, right, before, np.where(right >= t[-1], 0.0, turn))
+    ended = right >= t[-1]
+    return Course(floor, left, np.where(ended, np.inf, right), before, np.where(ended, 0.0, turn))
 
 
 def attitude_on(course: Course, t: Array, v: Array, a: Array, j: Array) -> Attitude:
@@ -87,15 +83,18 @@ def _lowest(position: Signal, t: Array) -> Array:
     return np.union1d(t, 0.5 * (left + right))
 
 
-def _edges(position: Signal, t: Array, low: Array, floor: float) -> tuple[Array, Array]:
-    """Begin and end of the stretch under the floor around each of the times `low`."""
-    high = t[_speed(position, t) > floor]
-    after = np.searchsorted(high, low)
-    padded = np.concatenate([[-np.inf], high, [np.inf]])
-    return tuple(  # type: ignore[return-value]
-        np.where(np.isinf(edge), end, _crossing(position, low, np.where(np.isinf(edge), low, edge), floor))
-        for edge, end in ((padded[after], t[0]), (padded[after + 1], t[-1]))
-    )
+def _stretches(position: Signal, t: Array, floor: float) -> tuple[Array, Array]:
+    """Begins and ends of the stretches under the floor."""
+    looks = _lowest(position, t)
+    low = _speed(position, looks) <= floor
+    steps = np.diff(np.concatenate([[False], low, [False]]).astype(np.int8))
+    first, last = np.flatnonzero(steps == 1), np.flatnonzero(steps == -1) - 1
+    left, right = looks[first], looks[last]
+    inner = first > 0
+    left[inner] = _crossing(position, left[inner], looks[first[inner] - 1], floor)
+    inner = last < len(looks) - 1
+    right[inner] = _crossing(position, right[inner], looks[last[inner] + 1], floor)
+    return left, right
 
 
 def _crossing(position: Signal, low: Array, high: Array, floor: float) -> Array:
@@ -104,9 +103,7 @@ def _crossing(position: Signal, low: Array, high: Array, floor: float) -> Array:
         return low
     for _ in range(_HALVINGS + 16):
         middle = 0.5 * (low + high)
-        order = np.argsort(middle)
-        under = np.empty(len(low), dtype=np.bool_)
-        under[order] = _speed(position, middle[order]) <= floor
+        under = _speed(position, middle) <= floor
         low, high = np.where(under, middle, low), np.where(under, high, middle)
     return high
 

@@ -165,7 +165,8 @@ def _narrowed(path: Path, bracket: Array, side: int, climb: bool, still: Stillne
     while True:
         looks = np.linspace(resting, moving, NARROWING)
         k = max(int(np.argmax(_moving(path, looks, side, climb, still))), 1)
-        if abs(looks[k] - looks[k - 1]) >= abs(moving - resting):
+        closer = abs(looks[k] - looks[k - 1])
+        if closer >= abs(moving - resting) or closer <= 1e-3 * still.instant:
             return moving
         resting, moving = float(looks[k - 1]), float(looks[k])
 

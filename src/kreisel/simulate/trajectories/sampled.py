@@ -20,6 +20,8 @@ from kreisel.data.checks import (
 )
 from kreisel.data.motion import Motion, Note
 from kreisel.data.trajectory import Poses
+from kreisel.maths.carried import carried_along
+from kreisel.maths.course import Course, attitude_on, course
 from kreisel.maths.derivatives import SECOND_DERIVATIVE_GAIN, Signal, interpolating_spline, noise_level
 from kreisel.maths.kinematics import quaternion_motion
 from kreisel.maths.rotations import (
@@ -28,12 +30,16 @@ from kreisel.maths.rotations import (
     matrix_from_quat_wxyz,
     quat_wxyz_from_matrix,
 )
+from kreisel.maths.tangent import Attitude
 
 METHODS = ("auto", "spline", "smooth", "gradient")
 
 # Interpolating is as good as the samples when their noise stays under a tenth of a milli-g in the
 # acceleration (and 1e-3 rad/s^2 in the angular one): an accelerometer's own noise hides it.
 CLEAN_BELOW = 1e-3
+
+# A heading that turns by more than this while nobody can see it has jumped.
+_JUMP = np.deg2rad(10.0)
 
 # Below, a spline has no third derivative to turn a tangent by; a smoother has nothing to average.
 _FEWEST = {"spline": 6, "smooth": 20, "gradient": 3}
@@ -106,13 +112,31 @@ class SampledTrajectory:
             return self._gradient_motion(times)
         position, position_note = self._position
         if isinstance(self.orientation, str):
-            R, omega, alpha, notes = _follow(position, times, self.span)
+            (R, omega, alpha), notes = self._along(position, times)
         else:
             attitude, attitude_note = self._attitude
             R, omega, alpha = quaternion_motion(*attitude(times, 2))
             notes = (attitude_note,)
         p, v, a = position(times, 2)
         return Motion(times, p, v, a, R, omega, alpha, self.t0_ns, self.name, (position_note, *notes))
+
+    def _along(self, position: Signal, times: Array) -> tuple[Attitude, tuple[Note, ...]]:
+        """Attitude of a body that follows the path, and notes on where its heading jumps."""
+        if self.orientation == "transport":
+            return carried_along(position, self.t, self._course.floor, times), ()
+        _, v, a, j = position(times, 3)
+        course = self._course
+        jumps = np.flatnonzero(course.turn > _JUMP)
+        notes = tuple(
+            Note(
+                "heading-jump",
+                f"the heading jumps by {np.rad2deg(course.turn[k]):.0f} deg where the path "
+                'stands still or is vertical; orientation "transport" has no jumps',
+                float(course.right[k]),
+            )
+            for k in jumps
+        )
+        return attitude_on(course, times, v, a, j), notes
 
     def _inside(self, times: Array) -> None:
         first, last = self.span
@@ -132,6 +156,15 @@ class SampledTrajectory:
     def _attitude(self) -> tuple[Signal, Note]:
         # Sign-continuous quaternions have no wraps, and their noise is the same in every component.
         return self._signal("attitude", "", self.orientation, shared=True)
+
+    @cached_property
+    def _course(self) -> Course:
+        position, _ = self._position
+        fastest = float(np.linalg.norm(position(self.t, 1)[1], axis=1).max())
+        # A thousandth of the largest speed, where interpolation rings after a jerk; behind noise, the speed
+        # whose direction is known to 3 degrees.
+        noise = np.linalg.norm(getattr(position, "rate_sigma", 0.0))
+        return course(position, self.t, max(1e-3 * fastest, 20.0 * float(noise)))
 
     def _signal(
         self, what: str, unit: str, x: Array, rate: Array | None = None, shared: bool = False
