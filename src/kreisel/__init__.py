@@ -35,6 +35,9 @@ if TYPE_CHECKING:
     from kreisel.data.recording import ImuRecording as ImuRecording
     from kreisel.data.trajectory import Poses as Poses
     from kreisel.data.trajectory import Trajectory as Trajectory
+    from kreisel.data.trial import Trial as Trial
+    from kreisel.evaluate.attitude_errors import AttitudeErrors as AttitudeErrors
+    from kreisel.evaluate.attitude_errors import attitude_errors as attitude_errors
     from kreisel.files.doors import read as read
     from kreisel.files.doors import write as write
     from kreisel.simulate.imu import Imu as Imu
@@ -44,6 +47,7 @@ __version__ = "0.1.0"
 
 # Public name -> module. Loaded at first use, so that `import kreisel` costs milliseconds.
 _HOMES = {
+    "AttitudeErrors": "kreisel.evaluate.attitude_errors",
     "AttitudeHistory": "kreisel.data.attitude",
     "Reference": "kreisel.data.attitude",
     "Environment": "kreisel.data.environment",
@@ -55,6 +59,8 @@ _HOMES = {
     "Poses": "kreisel.data.trajectory",
     "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
     "Trajectory": "kreisel.data.trajectory",
+    "Trial": "kreisel.data.trial",
+    "attitude_errors": "kreisel.evaluate.attitude_errors",
     "read": "kreisel.files.doors",
     "write": "kreisel.files.doors",
 }

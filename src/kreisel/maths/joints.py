@@ -93,7 +93,9 @@ def _judge(
     for k in range(1, t.shape[0]):
         flat1, full1 = _sizes(v, a, j, k)
         step, now = t[k] - t[k - 1], instant + 8.9e-16 * abs(t[k])
-        verdict = max(_zero(flat0, flat1, step, speed, rate, now), _zero(full0, full1, step, speed, rate, now))
+        verdict = max(
+            _zero(flat0, flat1, step, speed, rate, now), _zero(full0, full1, step, speed, rate, now)
+        )
         if verdict != DIVIDE and _misfit(k, v, a, j, full0, full1, step, speed, rate, now):
             verdict = DIVIDE
         out[k - 1] = KEEP if verdict == DIVIDE and step <= 0.25 * now else verdict

@@ -61,12 +61,11 @@ def smoothing_spline(t: Array, x: Array, *, rate: Array | None = None, shared: b
     """
     groups = [slice(None)] if shared else [slice(c, c + 1) for c in range(x.shape[1])]
     fits = [_fit(t, x[:, g], None if rate is None else rate[:, g]) for g in groups]
-    splines, sigma, rate_sigma, response = zip(*fits, strict=True)
+    splines, sigma, rate_sigma, responses = zip(*fits, strict=True)
+    # A column that does not move is averaged over everything; the least certain one is the one that counts.
+    response = responses[int(np.argmax([np.max(s) for s in rate_sigma]))]
     return SmoothSignal(
-        tuple(SplineSignal(s) for s in splines),
-        np.concatenate(sigma),
-        np.concatenate(rate_sigma),
-        max(response),
+        tuple(SplineSignal(s) for s in splines), np.concatenate(sigma), np.concatenate(rate_sigma), response
     )
 
 
