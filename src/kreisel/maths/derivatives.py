@@ -26,8 +26,15 @@ SECOND_DERIVATIVE_GAIN = 10.5
 class Signal(Protocol):
     """A function of time that knows its derivatives."""
 
-    rate_sigma: Array  # (c,) standard deviation of the noise in the first derivative, per second; 0 for none
-    response: float  # s, over which samples were averaged; 0 where none were
+    @property
+    def rate_sigma(self) -> Array:
+        """(c,) standard deviation of the noise in the first derivative, per second; 0 for none."""
+        ...
+
+    @property
+    def response(self) -> float:
+        """Time over which samples were averaged, s; 0 where none were."""
+        ...
 
     def __call__(self, t: Array, order: int) -> Array:
         """(order + 1, n, c): value and derivatives at increasing times t (n,)."""
