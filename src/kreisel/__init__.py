@@ -41,6 +41,16 @@ if TYPE_CHECKING:
     from kreisel.files.doors import read as read
     from kreisel.files.doors import write as write
     from kreisel.simulate.imu import Imu as Imu
+    from kreisel.simulate.trajectories.circle import circle as circle
+    from kreisel.simulate.trajectories.coning import coning as coning
+    from kreisel.simulate.trajectories.functions import FunctionTrajectory as FunctionTrajectory
+    from kreisel.simulate.trajectories.helix import helix as helix
+    from kreisel.simulate.trajectories.line import line as line
+    from kreisel.simulate.trajectories.lissajous import lissajous as lissajous
+    from kreisel.simulate.trajectories.lying_eight import figure_eight as figure_eight
+    from kreisel.simulate.trajectories.lying_eight import lying_eight as lying_eight
+    from kreisel.simulate.trajectories.rest import rest as rest
+    from kreisel.simulate.trajectories.rounded_rectangle import rounded_rectangle as rounded_rectangle
     from kreisel.simulate.trajectories.sampled import SampledTrajectory as SampledTrajectory
 
 __version__ = "0.1.0"
@@ -51,6 +61,7 @@ _HOMES = {
     "AttitudeHistory": "kreisel.data.attitude",
     "Reference": "kreisel.data.attitude",
     "Environment": "kreisel.data.environment",
+    "FunctionTrajectory": "kreisel.simulate.trajectories.functions",
     "Imu": "kreisel.simulate.imu",
     "ImuRecording": "kreisel.data.recording",
     "Motion": "kreisel.data.motion",
@@ -63,6 +74,15 @@ _HOMES = {
     "attitude_errors": "kreisel.evaluate.attitude_errors",
     "read": "kreisel.files.doors",
     "write": "kreisel.files.doors",
+    "circle": "kreisel.simulate.trajectories.circle",
+    "coning": "kreisel.simulate.trajectories.coning",
+    "figure_eight": "kreisel.simulate.trajectories.lying_eight",
+    "helix": "kreisel.simulate.trajectories.helix",
+    "line": "kreisel.simulate.trajectories.line",
+    "lissajous": "kreisel.simulate.trajectories.lissajous",
+    "lying_eight": "kreisel.simulate.trajectories.lying_eight",
+    "rest": "kreisel.simulate.trajectories.rest",
+    "rounded_rectangle": "kreisel.simulate.trajectories.rounded_rectangle",
 }
 
 __all__ = ["__version__", *sorted(_HOMES)]
