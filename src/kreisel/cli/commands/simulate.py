@@ -103,7 +103,7 @@ def _poses(data: object, name: str) -> Poses:
         return Poses(data.t, data.p_NB, data.R_NB, data.v_NB, data.t0_ns, data.name)
     if not isinstance(data, Poses):
         raise ValueError(
-            f"{name} holds IMU data; simulate needs poses (positions, with or without attitude)."
+            f"{name} holds no positions; simulate needs poses (positions, with or without attitude)."
         )
     return data
 
