@@ -109,7 +109,7 @@ def measure_peak(which: str, n: int) -> None:
     motion(*inputs(1000))
     given = inputs(n)
     # ru_maxrss never falls: what building the inputs needed must be below what the outputs will.
-    before = int(open("/proc/self/statm").read().split()[1]) * resource.getpagesize()
+    before = int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
     result = motion(*given)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
     print((peak - before) / n - sum(x.nbytes for x in result) / n)

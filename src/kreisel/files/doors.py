@@ -167,4 +167,4 @@ def _as_kind(data: Content, kind: str | None, path: Path) -> Content:
         return Poses(data.t, data.p_NB, data.R_NB, data.v_NB, data.t0_ns, data.name)
     if isinstance(data, Trial) and kind == "imu":
         return data.recording
-    raise ValueError(f"{path} holds {KINDS[have]}; {KINDS[kind]} was asked for.")
+    raise ValueError(f"{path} holds {KINDS[have]}, not {KINDS[kind]}.")
