@@ -1,4 +1,4 @@
-"""A rounded rectangle driven at constant speed: no acceleration on the sides, v^2 / r = 6.4 m/s^2 in the corners.
+"""A rounded rectangle at constant speed: no acceleration on the sides, v^2 / r = 6.4 m/s^2 in the corners.
 
 The rate of turn steps by v / r = 8 rad/s wherever a side meets a corner. An IMU off the centre of mass feels
 an impulse there that no sample can carry; the notes of the motion say when.
