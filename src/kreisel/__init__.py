@@ -35,18 +35,33 @@ if TYPE_CHECKING:
     from kreisel.data.recording import ImuRecording as ImuRecording
     from kreisel.data.trajectory import Poses as Poses
     from kreisel.data.trajectory import Trajectory as Trajectory
+    from kreisel.data.trial import Trial as Trial
+    from kreisel.evaluate.attitude_errors import AttitudeErrors as AttitudeErrors
+    from kreisel.evaluate.attitude_errors import attitude_errors as attitude_errors
     from kreisel.files.doors import read as read
     from kreisel.files.doors import write as write
     from kreisel.simulate.imu import Imu as Imu
+    from kreisel.simulate.trajectories.circle import circle as circle
+    from kreisel.simulate.trajectories.coning import coning as coning
+    from kreisel.simulate.trajectories.functions import FunctionTrajectory as FunctionTrajectory
+    from kreisel.simulate.trajectories.helix import helix as helix
+    from kreisel.simulate.trajectories.line import line as line
+    from kreisel.simulate.trajectories.lissajous import lissajous as lissajous
+    from kreisel.simulate.trajectories.lying_eight import figure_eight as figure_eight
+    from kreisel.simulate.trajectories.lying_eight import lying_eight as lying_eight
+    from kreisel.simulate.trajectories.rest import rest as rest
+    from kreisel.simulate.trajectories.rounded_rectangle import rounded_rectangle as rounded_rectangle
     from kreisel.simulate.trajectories.sampled import SampledTrajectory as SampledTrajectory
 
 __version__ = "0.1.0"
 
 # Public name -> module. Loaded at first use, so that `import kreisel` costs milliseconds.
 _HOMES = {
+    "AttitudeErrors": "kreisel.evaluate.attitude_errors",
     "AttitudeHistory": "kreisel.data.attitude",
     "Reference": "kreisel.data.attitude",
     "Environment": "kreisel.data.environment",
+    "FunctionTrajectory": "kreisel.simulate.trajectories.functions",
     "Imu": "kreisel.simulate.imu",
     "ImuRecording": "kreisel.data.recording",
     "Motion": "kreisel.data.motion",
@@ -55,8 +70,19 @@ _HOMES = {
     "Poses": "kreisel.data.trajectory",
     "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
     "Trajectory": "kreisel.data.trajectory",
+    "Trial": "kreisel.data.trial",
+    "attitude_errors": "kreisel.evaluate.attitude_errors",
     "read": "kreisel.files.doors",
     "write": "kreisel.files.doors",
+    "circle": "kreisel.simulate.trajectories.circle",
+    "coning": "kreisel.simulate.trajectories.coning",
+    "figure_eight": "kreisel.simulate.trajectories.lying_eight",
+    "helix": "kreisel.simulate.trajectories.helix",
+    "line": "kreisel.simulate.trajectories.line",
+    "lissajous": "kreisel.simulate.trajectories.lissajous",
+    "lying_eight": "kreisel.simulate.trajectories.lying_eight",
+    "rest": "kreisel.simulate.trajectories.rest",
+    "rounded_rectangle": "kreisel.simulate.trajectories.rounded_rectangle",
 }
 
 __all__ = ["__version__", *sorted(_HOMES)]

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from kreisel.data.checks import choice
 from kreisel.data.frames import WORLDS, to_enu_flu
+from kreisel.data.trial import Trial
 from kreisel.files.doors import KINDS, format_names, read
 from kreisel.files.formats import Noun
 
@@ -47,6 +48,7 @@ def add_input_arguments(parser: ArgumentParser, many: bool = False) -> None:
 def read_input(args: Namespace, path: str | None = None, kind: str | None = None) -> Noun:
     """What `args.input`, or `path` in its place, holds: in ENU/FLU, SI units and radians.
 
+    Of a benchmark's trial it is the recording.
     kind : "poses", "motion" or "imu" to insist on one whatever --kind says, as `kreisel.read` has it.
     """
     choice("--frame", args.frame, tuple(WORLDS))
@@ -58,7 +60,7 @@ def read_input(args: Namespace, path: str | None = None, kind: str | None = None
         rate_hz=args.input_rate,
         times=args.times,
     )
-    return to_enu_flu(data, args.frame)
+    return to_enu_flu(data.recording if isinstance(data, Trial) else data, args.frame)
 
 
 def parse_columns(pairs: Sequence[str] | None) -> dict[str, str] | None:

@@ -70,7 +70,7 @@ def three_functions(name: str, value: Any) -> Sequence[Callable[[Any], Any]]:
     )
 
 
-def same_length(t: Array, **columns: Array | None) -> None:
+def same_length(t: Array, **columns: npt.NDArray[Any] | None) -> None:
     """Refuse columns that do not have one row per time stamp."""
     for name, column in columns.items():
         if column is not None and len(column) != len(t):

@@ -1,6 +1,7 @@
 """Turns a file name into a noun and a noun into a file: the public `read` and `write`.
 
-The format is the one named, else the one whose suffix and content fit, else the one whose content fits.
+The format is the one named, else one without a suffix of its own whose content fits, else the one whose
+suffix and content fit, else the one whose content fits.
 """
 
 from __future__ import annotations
@@ -16,12 +17,18 @@ from kreisel.data.checks import choice
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
+from kreisel.data.trial import Trial
 from kreisel.files.atomic import replacing
-from kreisel.files.formats import Noun, ReadOptions
+from kreisel.files.formats import Content, Noun, ReadOptions
 
 FOLDER = "kreisel.files.formats"
 HEAD = 65536  # bytes; comments may be long
-KINDS = {"poses": "poses", "motion": "a complete motion", "imu": "an IMU recording"}
+KINDS = {
+    "poses": "poses",
+    "motion": "a complete motion",
+    "imu": "an IMU recording",
+    "trial": "a trial (an IMU recording and a reference)",
+}
 
 PathLike = str | os.PathLike[str]
 
@@ -44,12 +51,14 @@ def read(
     columns: Mapping[str, str] | None = None,
     rate_hz: float | None = None,
     times: PathLike | None = None,
-) -> Noun:
-    """What a file holds: Poses, Motion or ImuRecording, in SI units and the axes of the file.
+) -> Content:
+    """What a file holds: Poses, Motion, ImuRecording or Trial, in SI units and the axes of the file.
 
     path : the file. Other worlds than ENU/FLU are turned with `to_enu_flu` afterwards.
-    format : "csv", "tum", "euroc", "euroc-imu", "kitti", "mat", "npz"; None to tell by suffix and content.
-    kind : "poses", "motion" or "imu" to insist on one; a motion is taken as poses where poses are asked for.
+    format : "broad", "csv", "tum", "euroc", "euroc-imu", "kitti", "mat", "npz"; None to tell by suffix and
+        content.
+    kind : "poses", "motion", "imu" or "trial" to insist on one; a motion is taken as poses where poses are
+        asked for, and of a trial the recording where an IMU is.
     columns : for csv, our name -> the file's header, its unit in brackets where the header has none:
         ``{"t": "Time [ms]", "p_x": "X [mm]"}``; "#3" is the third column.
     rate_hz, times : for files without time, the rate in Hz or a file with one stamp in seconds per row.
@@ -85,11 +94,13 @@ def detect(path: Path, head: bytes) -> ModuleType:
     """The format of a file by its suffix where the content agrees, otherwise by its content."""
     formats = {name: format_named(name) for name in format_names()}
     owner = next((m for m in formats.values() if path.suffix.lower() == m.SUFFIX), None)
+    fitting = [name for name, module in formats.items() if module.sniff(head)]
+    # Without a suffix of its own a format looks closer: a benchmark's trial is a MAT file as well.
+    closer = [name for name in fitting if formats[name].SUFFIX is None]
+    if len(closer) == 1 or len(fitting) == 1:
+        return formats[(closer or fitting)[0]]
     if owner is not None and owner.sniff(head):
         return owner
-    fitting = [name for name, module in formats.items() if module.sniff(head)]
-    if len(fitting) == 1:
-        return formats[fitting[0]]
     if owner is not None:
         return owner
     found = f"it could be {' or '.join(fitting)}" if fitting else "its content fits none"
@@ -148,10 +159,12 @@ def _check_options(module: ModuleType, options: ReadOptions) -> None:
             raise ValueError(f"{name} does not apply to the format {format_name(module)!r}. Leave it out.")
 
 
-def _as_kind(data: Noun, kind: str | None, path: Path) -> Noun:
-    have = {Poses: "poses", Motion: "motion", ImuRecording: "imu"}[type(data)]
+def _as_kind(data: Content, kind: str | None, path: Path) -> Content:
+    have = {Poses: "poses", Motion: "motion", ImuRecording: "imu", Trial: "trial"}[type(data)]
     if kind is None or have == kind:
         return data
     if isinstance(data, Motion) and kind == "poses":
         return Poses(data.t, data.p_NB, data.R_NB, data.v_NB, data.t0_ns, data.name)
+    if isinstance(data, Trial) and kind == "imu":
+        return data.recording
     raise ValueError(f"{path} holds {KINDS[have]}; {KINDS[kind]} was asked for.")

@@ -69,7 +69,7 @@ def _rate(v: Array, a: Array, floor: float) -> Array:
     """v x a / |v|^2 (n, 3), zero at rest."""
     square = np.sum(v * v, axis=1)
     moving = square > floor**2
-    return np.cross(v, a) * np.where(moving, 1.0 / np.where(moving, square, 1.0), 0.0)[:, None]
+    return np.asarray(np.cross(v, a) * np.where(moving, 1.0 / np.where(moving, square, 1.0), 0.0)[:, None])
 
 
 def _level_start(v: Array, floor: float) -> Array:

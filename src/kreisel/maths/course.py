@@ -31,9 +31,14 @@ class Course(NamedTuple):
     turn: Array  # (m,) rad, by how much the heading jumps at its end; 0 where the path ends
 
 
-def course(position: Signal, t: Array, floor: float) -> Course:
-    """Stretches without a direction of the path `position`, found between its sample times `t` (n,) s."""
+def course(position: Signal, t: Array, floor: float, response: float = 0.0) -> Course:
+    """Stretches without a direction of the path `position`, found between its sample times `t` (n,) s.
+
+    floor: m/s, horizontal speed under which the direction is noise; movements within `response` s of an end of
+    the path that stop again are noise, whatever their speed.
+    """
     left, right = _stretches(position, t, floor)
+    left[left - t[0] < response], right[t[-1] - right < response] = t[0], t[-1]
     before, after = (_direction(position, edge) for edge in (left, right))
     # A path that begins at rest has the heading of its first movement; one that never moves heads east.
     before[left <= t[0]] = after[left <= t[0]]

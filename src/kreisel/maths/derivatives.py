@@ -26,6 +26,16 @@ SECOND_DERIVATIVE_GAIN = 10.5
 class Signal(Protocol):
     """A function of time that knows its derivatives."""
 
+    @property
+    def rate_sigma(self) -> Array:
+        """(c,) standard deviation of the noise in the first derivative, per second; 0 for none."""
+        ...
+
+    @property
+    def response(self) -> float:
+        """Time over which samples were averaged, s; 0 where none were."""
+        ...
+
     def __call__(self, t: Array, order: int) -> Array:
         """(order + 1, n, c): value and derivatives at increasing times t (n,)."""
         ...
@@ -47,8 +57,11 @@ class SplineSignal:
     evaluation each, and these are half the cost of a motion.
     """
 
+    response = 0.0
+
     def __init__(self, spline: BSpline) -> None:
         self._spline = spline
+        self.rate_sigma: Array = np.zeros(spline.c.shape[1])
 
     def __call__(self, t: Array, order: int) -> Array:
         spline = self._spline

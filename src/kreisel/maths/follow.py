@@ -5,12 +5,24 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from kreisel.maths.heading import Span, one_sided, settled
 from kreisel.maths.joints import RATE, TURN, brackets, suspects
-from kreisel.maths.tangent import AFTER, BEFORE, EXACT, Array, Attitude, Mask, Path, Stillness, tangent_motion
+from kreisel.maths.tangent import (
+    AFTER,
+    BEFORE,
+    EXACT,
+    Array,
+    Attitude,
+    Mask,
+    Path,
+    Stillness,
+    tangent_into,
+    unfilled,
+)
 
-BLOCK = 8192  # rows at once: bounds the memory, and three derivatives of a block stay in the cache
+BLOCK = 32768  # rows at once: bounds the memory, and leaves the cost of a call far behind
 
 
 class Joints(NamedTuple):
@@ -34,7 +46,7 @@ class Joints(NamedTuple):
 
 
 class Followed(NamedTuple):
-    """Motion of a body along a path; `aimless` where no horizontal movement gives it a heading at any time."""
+    """Motion of a body along a path; `aimless` where no horizontal movement ever gives it a heading."""
 
     p_NB: Array  # (n, 3) m
     v_NB: Array  # (n, 3) m/s
@@ -45,28 +57,26 @@ class Followed(NamedTuple):
 
 
 def follow(path: Path, t: Array, span: Span = (-np.inf, np.inf), still: Stillness = EXACT) -> Followed:
-    """Motion at times t (n,), strictly increasing and inside `span`, of a body whose x axis lies along the path.
+    """Motion at times t (n,), increasing and inside `span`, of a body whose x axis lies along the path.
 
     Each row is what holds just after its time (at the end of the span, just before it), whatever the other
     rows are: where the path reverses, the row belongs to the new direction.
     """
     n = len(t)
     p, v, a = (np.empty((n, 3)) for _ in range(3))
-    attitude = _nothing(n)
-    headless, doubtful = np.empty(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_)
-    tail: tuple[Array, ...] = ()
+    attitude, headless = unfilled(n), np.empty(n, dtype=np.bool_)
+    doubtful = np.zeros(n, dtype=np.bool_)  # whether the interval that ends at a row may hold a joint
+    seam: list[Array] = []
     for low in range(0, n, BLOCK):
         rows = slice(low, low + BLOCK)
         p[rows], v[rows], a[rows], jerk = path(t[rows], 3)
-        columns = (t[rows], v[rows], a[rows], jerk)
-        part, headless[rows] = tangent_motion(*columns, still)
-        for whole, piece in zip(attitude, part, strict=True):
-            whole[rows] = piece
-        with_tail = (
-            tuple(np.concatenate(pair) for pair in zip(tail, columns, strict=True)) if tail else columns
-        )
-        doubtful[low + (0 if tail else 1) : low + BLOCK] = suspects(*with_tail, still)
-        tail = tuple(column[-1:] for column in columns)
+        block = (t[rows], v[rows], a[rows], jerk)
+        headless[rows] = tangent_into(Attitude(*(column[rows] for column in attitude)), *block, still)
+        doubtful[low + 1 : low + BLOCK] = suspects(*block, still)
+        if seam:
+            before = [np.concatenate([last, column[:1]]) for last, column in zip(seam, block, strict=True)]
+            doubtful[low] = suspects(before[0], before[1], before[2], before[3], still)[0]
+        seam = [column[-1:] for column in block]
     aimless = _settle(path, t, headless, attitude, span, still)
     joints = _joints(path, t, np.flatnonzero(doubtful), span, still)
     return Followed(p, v, a, attitude, joints, aimless)
@@ -82,12 +92,12 @@ def _settle(path: Path, t: Array, headless: Mask, out: Attitude, span: Span, sti
     return bool(found.aimless.any())
 
 
-def _joints(path: Path, t: Array, ends: Array, span: Span, still: Stillness) -> Joints:
-    """Joints within the intervals that end at rows `ends`; not one at the first row, which is after it already."""
+def _joints(path: Path, t: Array, ends: npt.NDArray[np.intp], span: Span, still: Stillness) -> Joints:
+    """Joints within the intervals that end at rows `ends`; none at the first row, which is after it."""
     instants = brackets(path, t[ends - 1], t[ends], still)
     inside = (instants[:, 0] > t[0]) & (instants[:, 1] < span[1]) if len(t) else np.zeros(0, dtype=np.bool_)
     if not inside.any():
-        return Joints(np.empty(0), _nothing(0), _nothing(0))
+        return Joints(np.empty(0), unfilled(0), unfilled(0))
     left, right = instants[inside].T
     # At the ends of the brackets more must count as nil than inside them.
     before = one_sided(path, left, BEFORE, span, still.coarser(8.0)).attitude
@@ -98,10 +108,6 @@ def _joints(path: Path, t: Array, ends: Array, span: Span, still: Stillness) -> 
     joints = Joints(0.5 * (left + right), before, after)
     real = (joints.turns > TURN) | (joints.rate_steps > RATE)
     return Joints(joints.t[real], _rows(before, real), _rows(after, real))
-
-
-def _nothing(n: int) -> Attitude:
-    return Attitude(np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 3)))
 
 
 def _rows(attitude: Attitude, mask: Mask) -> Attitude:

@@ -1,7 +1,7 @@
-"""Turns a path and single instants into the attitude just before or after them, at rest and in the vertical too.
+"""Turns a path and instants into the attitude just before or after them, at rest and in the vertical too.
 
-A body at rest keeps the attitude it came with; one that rises or falls vertically keeps its heading. Before its
-first movement it already has the heading of that movement; a body that never moves has heading 0.
+A body at rest keeps the attitude it came with; one that rises or falls vertically keeps its heading. Before
+its first movement it already has the heading of that movement; a body that never moves has heading 0.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from kreisel.maths.tangent import (
 
 Span = tuple[float, float]
 
-# A movement is looked for every 1/32 s over the nearest 1024 s, then in windows that double up to 36 hours away.
+# A movement is looked for every 1/32 s over the nearest 1024 s, then in windows that double, up to 36 hours.
 WINDOWS = (32.0,) * 32 + tuple(1024.0 * 2.0**k for k in range(7))
 LOOKS = 1025
 NARROWING = 65
@@ -44,16 +44,16 @@ class Settled(NamedTuple):
 
 
 def one_sided(path: Path, t: Array, side: int, span: Span, still: Stillness = EXACT) -> Settled:
-    """Attitude just `BEFORE` or `AFTER` times t (n,), increasing; at the ends of the span from inside."""
+    """Attitude just `BEFORE` or `AFTER` times t (n,), increasing; from inside at the ends of the span."""
     with np.errstate(all="ignore"):
         return _held(path, t, _from_inside(path, t, side, span, still), np.empty(0), span, still)
 
 
 def settled(path: Path, t: Array, moving: Array, span: Span, still: Stillness = EXACT) -> Settled:
-    """Attitude at times t (n,), increasing, at which the body has no horizontal velocity.
+    """Attitude at increasing times t (n,) at which the body has no horizontal velocity.
 
-    An instant of rest belongs to the movement that begins there; where none begins, the last attitude is held.
-    `moving` are times at which the body is known to move; they need not be all.
+    An instant of rest belongs to the movement that begins there; where none begins, the last attitude is
+    held. `moving` are times at which the body is known to move; they need not be all.
     """
     with np.errstate(all="ignore"):
         blocks = [_what_follows(path, t[k : k + BLOCK], span, still) for k in range(0, len(t), BLOCK)]
@@ -125,7 +125,7 @@ def _hold(
 def _last_direction(
     path: Path, t: float, climb: bool, span: Span, still: Stillness
 ) -> tuple[float, tuple[float, float] | None]:
-    """Since when the direction is held, and its cosine and sine; from the first movement where none was before."""
+    """Since when the direction is held, and its cosine and sine; else those of the first movement."""
     stop = _nearest_movement(path, t, BEFORE, climb, span, still)
     start = _nearest_movement(path, t, AFTER, climb, span, still) if stop is None else None
     when, side = (stop, BEFORE) if stop is not None else (start, AFTER)
@@ -144,7 +144,7 @@ def _directions(path: Path, t: Array, side: int, still: Stillness) -> Directions
 def _nearest_movement(
     path: Path, t: float, side: int, climb: bool, span: Span, still: Stillness
 ) -> float | None:
-    """The instant nearest to t, at or before (after) it, at which the body moves; None where there is none."""
+    """The nearest instant to t, or t, before (after) it at which the body moves; None where it never does."""
     edge, end = t, span[0] if side == BEFORE else span[1]
     for window in WINDOWS:
         far = max(edge - window, end) if side == BEFORE else min(edge + window, end)
@@ -160,7 +160,7 @@ def _nearest_movement(
 
 
 def _narrowed(path: Path, bracket: Array, side: int, climb: bool, still: Stillness) -> float:
-    """The moving end of `bracket` (resting, moving), brought to within the last places of the resting one."""
+    """The moving end of `bracket` (resting, moving), brought as near to the resting one as it goes."""
     resting, moving = float(bracket[0]), float(bracket[1])
     while True:
         looks = np.linspace(resting, moving, NARROWING)

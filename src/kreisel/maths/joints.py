@@ -1,8 +1,9 @@
 """Turns a path into the instants at which a body that follows it may turn, or change its rate, in a step.
 
 These are the zeros of the velocity and of its horizontal part, and the steps of velocity and acceleration.
-Between two samples a smooth path can do nothing of the kind unless it is slow there, or unless its derivatives
-disagree with each other over the interval; only such intervals are divided, until nothing or an instant is left.
+Between two samples a smooth path can do nothing of the kind unless it is slow there, or unless its
+derivatives disagree with each other over the interval; only such intervals are divided, until nothing or an
+instant is left.
 A coarse sampling rate therefore costs a second look and never invents a joint.
 """
 
@@ -11,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.maths.kernels import kernel
+from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.tangent import EXACT, Array, Mask, Path, Stillness, instant_at
 
 PARTS = 8
@@ -21,6 +22,7 @@ CHUNK = 1024  # intervals divided at once: bounds the memory to 8192 points of t
 PATIENCE, PATIENCE_AT_LEAST = 200, 100_000
 
 NO, KEEP, DIVIDE = 0, 1, 2
+Verdicts = npt.NDArray[np.uint8]
 
 Sizes = tuple[float, float, float]
 """Of velocity, acceleration and jerk."""
@@ -33,14 +35,15 @@ TURN, RATE = 1e-4, 1e-3
 
 
 def suspects(t: Array, v: Array, a: Array, j: Array, still: Stillness = EXACT) -> Mask:
-    """Mask (n - 1,) of the intervals between times t that may hold a joint, from v, a and jerk (n, 3) in N."""
-    return _verdicts(t, v, a, j, still) != NO
+    """Mask (n - 1,) of the intervals between times t that may hold a joint, from v, a, jerk (n, 3) in N."""
+    return np.not_equal(_verdicts(t, v, a, j, still), NO)
 
 
 def brackets(path: Path, left: Array, right: Array, still: Stillness = EXACT) -> Array:
     """Instants (m, 2) within the intervals [left, right] (k,) that may be joints, each as its two ends.
 
-    The ends lie a few instants of `still` outside the joint; where the body lingers about rest they enclose that.
+    The ends lie a few instants of `still` outside the joint; where the body lingers about rest they enclose
+    that.
     """
     found, work = [np.empty((0, 2))], [(left, right)]
     patience = PATIENCE * len(left) + PATIENCE_AT_LEAST
@@ -58,7 +61,7 @@ def brackets(path: Path, left: Array, right: Array, still: Stillness = EXACT) ->
     return _merged(np.concatenate(found), still)
 
 
-def _verdicts_of_rows(path: Path, t: Array, still: Stillness) -> npt.NDArray[np.uint8]:
+def _verdicts_of_rows(path: Path, t: Array, still: Stillness) -> Verdicts:
     """Verdicts (k, p) on the intervals within each row of t (k, p + 1)."""
     _, v, a, j = path(t.ravel(), 3)
     # Between the end of one row and the start of the next there is no interval.
@@ -77,23 +80,26 @@ def _merged(ends: Array, still: Stillness) -> Array:
     return np.stack([left - instant_at(left, still), right + instant_at(right, still)], axis=1)
 
 
-def _verdicts(t: Array, v: Array, a: Array, j: Array, still: Stillness) -> npt.NDArray[np.uint8]:
+def _verdicts(t: Array, v: Array, a: Array, j: Array, still: Stillness) -> Verdicts:
     out = np.zeros(max(len(t) - 1, 0), dtype=np.uint8)
-    _judge(t, v, a, j, still.speed, still.rate, still.instant, out)
+    inputs = argument(t), argument(v), argument(a), argument(j)
+    _judge(*inputs, still.speed, still.rate, still.instant, out)
     return out
 
 
 @kernel
 def _judge(
-    t: Array, v: Array, a: Array, j: Array, speed: float, rate: float, instant: float, out: npt.NDArray[np.uint8]
-) -> None:  # fmt: skip
+    t: Array, v: Array, a: Array, j: Array, speed: float, rate: float, instant: float, out: Verdicts
+) -> None:
     if t.shape[0] == 0:
         return
     flat0, full0 = _sizes(v, a, j, 0)
     for k in range(1, t.shape[0]):
         flat1, full1 = _sizes(v, a, j, k)
         step, now = t[k] - t[k - 1], instant + 8.9e-16 * abs(t[k])
-        verdict = max(_zero(flat0, flat1, step, speed, rate, now), _zero(full0, full1, step, speed, rate, now))
+        verdict = max(
+            _zero(flat0, flat1, step, speed, rate, now), _zero(full0, full1, step, speed, rate, now)
+        )
         if verdict != DIVIDE and _misfit(k, v, a, j, full0, full1, step, speed, rate, now):
             verdict = DIVIDE
         out[k - 1] = KEEP if verdict == DIVIDE and step <= 0.25 * now else verdict
@@ -133,8 +139,8 @@ def _misfit(
     k: int, v: Array, a: Array, j: Array, here: Sizes, there: Sizes, step: float, speed: float, rate: float,
     instant: float,
 ) -> bool:  # fmt: skip
-    """Whether velocity or acceleration may step before row k: the trapezoidal rule fails by more than a smooth
-    path would make it."""
+    """Whether velocity or acceleration may step before row k: more than a smooth path breaks the trapezoidal
+    rule."""
     in_v, in_a = 0.0, 0.0
     for i in range(3):
         e = v[k, i] - v[k - 1, i] - 0.5 * step * (a[k, i] + a[k - 1, i])

@@ -1,8 +1,8 @@
 """Turns a path into the pieces of time over which a body that follows it without twisting rolls smoothly.
 
-Against the frame with x along the path and y at right angles to a fixed pole e, such a body only rolls, at the
-rate -(e.x)(e.kappa) / (1 - (e.x)^2) with kappa = v x a / |v|^2: the rate at which that frame twists, taken back.
-Each cell holds the roll rate as a polynomial through Gauss's nodes, with a pole well away from the path there;
+Against the frame with x along the path and y at right angles to a fixed pole e, such a body only rolls, at
+the rate -(e.x)(e.kappa) / (1 - (e.x)^2) with kappa = v x a / |v|^2: that frame's own twist, taken back.
+Each cell holds the twist as a polynomial through Gauss's nodes, with a pole well away from the path there;
 cells end where the path stops, reverses or has a corner, and are halved until the polynomial is exact.
 """
 
@@ -49,7 +49,7 @@ class Cells(NamedTuple):
 
 
 def cells(path: Path, start: float, end: float, span: Span, still: Stillness) -> Cells:
-    """Cells that cover [start, end], on a grid of their own whatever start and end are, but inside the span."""
+    """Cells that cover [start, end], on a grid that does not depend on these two, inside the span."""
     edges = _edges(path, start, end, span, still)
     work = [
         (edges[k : k + BLOCK + 1][:-1], edges[k + 1 : k + BLOCK + 1]) for k in range(0, len(edges) - 1, BLOCK)

@@ -135,6 +135,12 @@ def log_so3(R: Array) -> Array:
     return np.asarray(2.0 * ratio * vector)
 
 
+def geodesic(R0: Array, R1: Array, share: Array) -> Array:
+    """R (..., 3, 3) on the way from R0 at share 0 to R1 at share 1 (...), turning at a constant rate."""
+    step = np.asarray(share)[..., None] * log_so3(np.swapaxes(R0, -1, -2) @ R1)
+    return np.asarray(R0 @ exp_so3(step))
+
+
 def skew(v: Array) -> Array:
     """Matrices [v]x (..., 3, 3) with [v]x u = v x u, for v (..., 3)."""
     x, y, z = np.moveaxis(np.asarray(v, dtype=np.float64), -1, 0)

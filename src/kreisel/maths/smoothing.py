@@ -46,6 +46,7 @@ class SmoothSignal:
     splines: tuple[SplineSignal, ...]
     sigma: Array  # (c,) standard deviation of the noise taken out, in the unit of the samples
     rate_sigma: Array  # (c,) standard deviation of what noise is left in the first derivative, per second
+    response: float  # s, over which the signal is averaged; that close to an end it is far less certain
 
     def __call__(self, t: Array, order: int) -> Array:
         """(order + 1, n, c): value and derivatives at increasing times t (n,)."""
@@ -60,14 +61,16 @@ def smoothing_spline(t: Array, x: Array, *, rate: Array | None = None, shared: b
     """
     groups = [slice(None)] if shared else [slice(c, c + 1) for c in range(x.shape[1])]
     fits = [_fit(t, x[:, g], None if rate is None else rate[:, g]) for g in groups]
-    splines, sigma, rate_sigma = zip(*fits, strict=True)
+    splines, sigma, rate_sigma, responses = zip(*fits, strict=True)
+    # A column that does not move is averaged over everything; the least certain one is the one that counts.
+    response = responses[int(np.argmax([np.max(s) for s in rate_sigma]))]
     return SmoothSignal(
-        tuple(SplineSignal(s) for s in splines), np.concatenate(sigma), np.concatenate(rate_sigma)
+        tuple(SplineSignal(s) for s in splines), np.concatenate(sigma), np.concatenate(rate_sigma), response
     )
 
 
-def _fit(t: Array, x: Array, rate: Array | None) -> tuple[BSpline, Array, Array]:
-    """The spline behind all samples, the noise of each column, and what is left of it in the derivative."""
+def _fit(t: Array, x: Array, rate: Array | None) -> tuple[BSpline, Array, Array, float]:
+    """The spline behind all samples, its columns' noise, what of it the derivative keeps, and the response."""
     centre = x.mean(axis=0)
     spacing = float(np.median(np.diff(t)))
     while True:
@@ -82,7 +85,8 @@ def _fit(t: Array, x: Array, rate: Array | None) -> tuple[BSpline, Array, Array]
     cutoff = 10.0 ** (-log_penalty / (2 * ORDER)) / spacing
     step = (t[-1] - t[0]) / (len(t) - 1)
     rate_sigma = solution.sigma * np.sqrt(step * cutoff**3 / (3.0 * np.pi))
-    return BSpline(system.knots, solution.coefficients + centre, DEGREE), solution.sigma, rate_sigma
+    spline = BSpline(system.knots, solution.coefficients + centre, DEGREE)
+    return spline, solution.sigma, rate_sigma, 2.0 * np.pi / cutoff
 
 
 def _most_likely(t: Array, x: Array, rate: Array | None, spacing: float) -> tuple[float, float]:

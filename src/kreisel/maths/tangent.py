@@ -10,13 +10,14 @@ turns the body by half a turn in an instant.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.maths.kernels import kernel
+from kreisel.maths.kernels import argument, kernel
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -38,12 +39,17 @@ class Attitude(NamedTuple):
     alpha_NB_B: Array  # (n, 3) rad/s^2
 
 
+def unfilled(n: int) -> Attitude:
+    """Room for n rows."""
+    return Attitude(np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 3)))
+
+
 class Stillness(NamedTuple):
     """What counts as no movement: more than round-off, less than anything a body does.
 
-    The velocity is nil up to `speed` plus what its derivatives bring about within `instant`, as time stamps are
-    not known any better. A body whose velocity is nil begins to move when its derivatives lift it above that
-    within 1 / `rate`; otherwise it is at rest.
+    The velocity is nil up to `speed` plus what its derivatives bring about within `instant`, as time stamps
+    are not known any better. A body whose velocity is nil begins to move when its derivatives lift it above
+    that within 1 / `rate`; otherwise it is at rest.
     """
 
     speed: float = 1e-12  # m/s
@@ -69,11 +75,16 @@ def tangent_motion(t: Array, v: Array, a: Array, j: Array, still: Stillness = EX
     The mask (n,) marks the rows without a heading, where the horizontal velocity is nil. They are left at
     the identity and at rates of zero; `limits` has their values.
     """
-    n = len(v)
-    attitude = Attitude(np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 3)))
-    headless = np.empty(n, dtype=np.bool_)
-    _tangent(t, v, a, j, still.speed, still.rate, still.instant, *attitude, headless)
-    return attitude, headless
+    attitude = unfilled(len(v))
+    return attitude, tangent_into(attitude, t, v, a, j, still)
+
+
+def tangent_into(attitude: Attitude, t: Array, v: Array, a: Array, j: Array, still: Stillness) -> Mask:
+    """`tangent_motion` into an attitude that exists; returns the mask."""
+    headless = np.empty(len(v), dtype=np.bool_)
+    inputs = argument(t), argument(v), argument(a), argument(j)
+    _tangent(*inputs, still.speed, still.rate, still.instant, *attitude, headless)
+    return headless
 
 
 class Directions(NamedTuple):
@@ -95,25 +106,24 @@ def limits(t: Array, derivatives: Array, side: int, still: Stillness = EXACT) ->
     """
     n = len(t)
     out = Directions(np.full((n, 4), np.nan), np.full((n, 6), np.nan))
-    _limits(t, derivatives, side, still.speed, still.rate, still.instant, *out)
+    _limits(argument(t), argument(derivatives), side, still.speed, still.rate, still.instant, *out)
     return out
 
 
 def leading_series(t: Array, derivatives: Array, side: int, still: Stillness = EXACT) -> Array:
-    """u (3, n, 3) with two derivatives, parallel to the body's movement just `BEFORE` or `AFTER` t; NaN at rest.
+    """u (3, n, 3), two derivatives with it, along the movement just `BEFORE` or `AFTER` t; NaN at rest.
 
     derivatives (6, n, 3) in N: velocity and five more. Where the velocity is not nil it is u itself.
     """
     out = np.full((3, len(t), 3), np.nan)
-    _leading_series(t, derivatives, side, still.speed, still.rate, still.instant, out)
+    _leading_series(argument(t), argument(derivatives), side, still.speed, still.rate, still.instant, out)
     return out
 
 
 def attitude_along(directions: Directions) -> Attitude:
     """Attitude (n rows) of a body that lies along `directions`, all of them known."""
-    n = len(directions.heading)
-    out = Attitude(np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 3)))
-    _attitude_along(*directions, *out)
+    out = unfilled(len(directions.heading))
+    _attitude_along(argument(directions.heading), argument(directions.climb), *out)
     return out
 
 
@@ -178,7 +188,7 @@ def _norm(d: Array, order: int, k: int, axes: int) -> float:
     total = 0.0
     for i in range(axes):
         total += d[order, k, i] * d[order, k, i]
-    return np.sqrt(total)
+    return math.sqrt(total)
 
 
 @kernel

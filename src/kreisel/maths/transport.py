@@ -1,20 +1,22 @@
 """Turns a path into the attitude of a body that keeps its x axis along it and never twists about it.
 
-Parallel transport: omega = kappa = v x a / |v|^2, which has no component along the path. Unlike a level y axis it
-knows no vertical and no reversal: where the velocity changes sign, the body simply runs backwards.
+Parallel transport: omega = kappa = v x a / |v|^2, which has no component along the path. Unlike a level y
+axis it knows no vertical and no reversal: where the velocity changes sign, the body simply runs backwards.
 Attitude needs no differential equation: it is the direction of the path and one roll angle, an integral.
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from kreisel.maths.follow import BLOCK, Followed, Joints, follow
 from kreisel.maths.heading import Span
 from kreisel.maths.joints import RATE, TURN
-from kreisel.maths.kernels import kernel
+from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.rolling import Cells, cells
 from kreisel.maths.tangent import (
     AFTER,
@@ -26,7 +28,10 @@ from kreisel.maths.tangent import (
     Path,
     Stillness,
     leading_series,
+    unfilled,
 )
+
+Integers = npt.NDArray[np.integer]
 
 
 class _Course(NamedTuple):
@@ -41,11 +46,11 @@ class _Course(NamedTuple):
 def follow_without_twist(
     path: Path, t: Array, span: Span = (-np.inf, np.inf), still: Stillness = EXACT
 ) -> Followed:
-    """Motion at times t (n,), strictly increasing and inside `span`, of a body parallel-transported along the path.
+    """Motion at times t (n,), increasing and inside `span`, of a body parallel-transported along the path.
 
-    At the start of the span, or at t = 0 where it has none (or ends before), the body has the level attitude of
-    `follow`; what it is at other times does not depend on which times are asked for. After a rest, or at a corner,
-    the body turns by the smallest angle that brings its x axis into line, nose or tail first.
+    At the start of the span, or at t = 0 where it has none (or ends before), the body has the level attitude
+    of `follow`; what it is at other times does not depend on which times are asked for. After a rest, or at a
+    corner, it turns by the smallest angle that brings its x axis into line, nose or tail first.
     """
     reference = span[0] if np.isfinite(span[0]) else min(0.0, span[1])
     there = follow(path, np.array([reference]), span, still)
@@ -66,7 +71,7 @@ def _course(pieces: Cells, reference: float, R_reference: Array) -> _Course:
     m = len(pieces.left)
     out = _Course(np.empty(m), np.empty(m), np.empty((m, 3, 3)), np.empty((m, 3, 3)))
     moving = np.flatnonzero(pieces.pole >= 0)
-    # Before its first movement the body lies as that begins; only at the reference may it have come from elsewhere.
+    # Before its first movement the body lies as that begins, unless the reference brings it from elsewhere.
     origin = moving[0] if moving.size and pieces.left[moving[0]] <= reference else -1
     R = R_reference.copy()
     if origin >= 0:
@@ -82,7 +87,7 @@ def _sampled(
     """Attitude, position, velocity and acceleration at times t."""
     n = len(t)
     p, v, a = (np.empty((n, 3)) for _ in range(3))
-    out = Attitude(np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 3)))
+    out = unfilled(n)
     for low in range(0, n, BLOCK):
         rows = slice(low, low + BLOCK)
         p[rows], v[rows], a[rows], jerk = path(t[rows], 3)
@@ -91,15 +96,15 @@ def _sampled(
         sign = course.sign[cell]
         _replace_nil(path, t[rows], series, sign, cell, pieces, course, span, still)
         _roll_along(
-            t[rows], series, cell, sign, pieces.left, pieces.right, pieces.pole, pieces.rate,
+            argument(t[rows]), series, cell, sign, pieces.left, pieces.right, pieces.pole, pieces.rate,
             course.roll, course.R_first, Q, *(column[rows] for column in out),
         )  # fmt: skip
     return out, p, v, a
 
 
 def _replace_nil(
-    path: Path, t: Array, series: Array, sign: Array, cell: Array, pieces: Cells, course: _Course, span: Span,
-    still: Stillness,
+    path: Path, t: Array, series: Array, sign: Array, cell: Integers, pieces: Cells, course: _Course,
+    span: Span, still: Stillness,
 ) -> None:  # fmt: skip
     """Where the velocity is nil, put what the movement begins with, signed as the body lies there."""
     speed, push = np.linalg.norm(series[0], axis=1), np.linalg.norm(series[1], axis=1)
@@ -164,7 +169,7 @@ def _sweep(
 
 @kernel
 def _roll_along(
-    t: Array, series: Array, cell: Array, sign: Array, left: Array, right: Array, pole: Array, rate: Array,
+    t: Array, series: Array, cell: Integers, sign: Array, left: Array, right: Array, pole: Array, rate: Array,
     roll: Array, R_first: Array, Q: Array, R: Array, omega: Array, alpha: Array,
 ) -> None:  # fmt: skip
     x, body = np.empty(3), np.empty((3, 3))
@@ -186,7 +191,7 @@ def _roll_along(
 
 @kernel
 def _rates(u: Array, du: Array, ddu: Array, squared: float, R: Array, omega: Array, alpha: Array) -> None:
-    """kappa = u x u' / |u|^2 and its derivative, in B; d/dt (R^T kappa) = R^T kappa' as R turns with kappa."""
+    """kappa = u x u' / |u|^2 and its derivative, in B; d/dt (R^T kappa) = R^T kappa', as R turns with it."""
     slow = 2.0 * (u[0] * du[0] + u[1] * du[1] + u[2] * du[2]) / squared
     kx, ky, kz = (
         (u[1] * du[2] - u[2] * du[1]) / squared,
@@ -219,7 +224,7 @@ def _times(A: Array, B: Array, out: Array) -> None:
 @kernel
 def _antiderivative(coefficients: Array, x: float) -> float:
     """Integral from -1 to x of a Legendre series: that of P_k is (P_k+1 - P_k-1) / (2 k + 1)."""
-    total = coefficients[0] * (x + 1.0)
+    total: float = coefficients[0] * (x + 1.0)
     below, here = 1.0, x
     for k in range(1, coefficients.shape[0]):
         above = ((2 * k + 1) * x * here - k * below) / (k + 1)
@@ -256,12 +261,12 @@ def _roll_of(R: Array, pole: int) -> float:
     _pole_frame(R[:, 0], pole, frame)
     y = R[0, 1] * frame[0, 1] + R[1, 1] * frame[1, 1] + R[2, 1] * frame[2, 1]
     z = R[0, 1] * frame[0, 2] + R[1, 1] * frame[1, 2] + R[2, 1] * frame[2, 2]
-    return np.arctan2(z, y)
+    return math.atan2(z, y)
 
 
 @kernel
 def _turn_onto(R: Array, x: Array) -> None:
-    """Turn R by the smallest angle, at most a right one, that brings its first column onto the unit vector x."""
+    """Turn R by the smallest angle, at most a right one, that brings its first column onto unit vector x."""
     cosine = R[0, 0] * x[0] + R[1, 0] * x[1] + R[2, 0] * x[2]
     wx, wy, wz = (
         R[1, 0] * x[2] - R[2, 0] * x[1],

@@ -36,7 +36,8 @@ def joint_notes(joints: Joints) -> tuple[Note, ...]:
 def _note(t: float, turn: float, step: float, x0: Array, x1: Array, omega0: Array, omega1: Array) -> Note:
     rates = f"from {_vector(omega0)} to {_vector(omega1)} rad/s"
     if turn > TURN:
-        text = f"{_cause(x0, x1)}: the body turns by {np.rad2deg(turn):.4g} deg in an instant; its rate goes {rates}"
+        angle = f"{np.rad2deg(turn):.4g} deg"
+        text = f"{_cause(x0, x1)}: the body turns by {angle} in an instant; its rate goes {rates}"
         return Note("heading-jump", text, float(t))
     text = (
         f"the rate steps by {step:.4g} rad/s, {rates}; with a lever arm this is an impulse of angular "

@@ -13,8 +13,11 @@ from typing import BinaryIO, Protocol
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
+from kreisel.data.trial import Trial
 
 Noun = Poses | Motion | ImuRecording
+Content = Noun | Trial
+"""What a file may hold: one noun, or a recording with its reference."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,13 +27,15 @@ class ReadOptions:
     columns: Mapping[str, str] | None = None  # our column name -> the file's header, with its unit if need be
     rate_hz: float | None = None  # for files without time: the first row is at t = 0
     times: Path | None = None  # for files without time: a text file with one stamp in seconds per row
-    kind: str | None = None  # "poses", "motion" or "imu": which one to take from a file that has several
+    kind: str | None = (
+        None  # "poses", "motion", "imu" or "trial": which one to take from a file that has several
+    )
 
 
 class Format(Protocol):
     """What a module in this folder offers."""
 
-    SUFFIX: str | None  # the file suffix that names this format, in reading and writing
+    SUFFIX: str | None  # the file suffix that names this format; None: its files are known by their content
     HOLDS: tuple[type[Noun], ...]  # the nouns it can write
     OPTIONS: frozenset[str]  # the ReadOptions it understands, beside kind
     KEEPS: str  # for the table of formats: what survives the round trip
@@ -39,7 +44,7 @@ class Format(Protocol):
         """Whether the first bytes of a file look like this format and no other."""
         ...
 
-    def read(self, path: Path, options: ReadOptions) -> Noun:
+    def read(self, path: Path, options: ReadOptions) -> Content:
         """The noun in the file; ValueError with file, line and column where it is not sound."""
         ...
 

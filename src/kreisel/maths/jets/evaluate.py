@@ -167,7 +167,8 @@ def _check_independence(function: Callable[[Jet], Any], times: NDArray[np.float6
         _write(_parts_at(function, times[m : m + 1], block.shape[0] - 1), alone)
     except (TypeError, ValueError, IndexError) as error:
         raise refusals.not_of_time_alone(times[m]) from error
-    scale = np.max(np.abs(block), axis=1, where=np.isfinite(block), initial=0.0)
+    # Reducing with where= is thirty times slower than taking the rest out first.
+    scale = np.max(np.where(np.isfinite(block), np.abs(block), 0.0), axis=1)
     if not np.all(_alike(alone[:, 0], block[:, m], scale)):
         raise refusals.not_of_time_alone(times[m])
 

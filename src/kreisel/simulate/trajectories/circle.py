@@ -9,7 +9,7 @@ from kreisel.simulate.trajectories.functions import FunctionTrajectory
 
 
 def circle(radius: float = 1.0, period: float = 4.0) -> Trajectory:
-    """A circle of `radius` m around the origin, once in `period` s, counter-clockwise seen from above; nose along it.
+    """A circle of `radius` m around the origin, once in `period` s, counter-clockwise; nose along it.
 
     A negative period runs clockwise. The centripetal acceleration is radius (2 pi / period)^2.
     """

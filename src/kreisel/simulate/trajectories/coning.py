@@ -13,13 +13,14 @@ from kreisel.maths.kinematics import quaternion_motion
 
 @dataclass(frozen=True)
 class Coning:
-    """A body whose z axis runs round a cone about the vertical without the body turning about it on the whole.
+    """A body whose z axis runs round a cone about the vertical while it does not turn about it on the whole.
 
-    half_angle: rad, of the cone; rate: rad/s, at which the z axis goes round; counter-clockwise where positive.
+    half_angle: rad, of the cone; rate: rad/s, at which the z axis goes round, counter-clockwise.
 
-    The attitude is a rotation by half_angle about a level axis that turns at `rate`. The gyro reads a constant
-    -2 rate sin^2(half_angle / 2) about z although the attitude comes back after every round: what an integration of
-    the rates that takes them for commuting turns into drift. Source: Savage, Strapdown Analytics, ch. 7.
+    The attitude is a rotation by half_angle about a level axis that turns at `rate`. The gyro reads a
+    constant -2 rate sin^2(half_angle / 2) about z although the attitude comes back after every round:
+    integrating the rates as if rotations commuted turns that into drift.
+    Source: Savage, Strapdown Analytics, ch. 7.
     """
 
     half_angle: float = 0.1

@@ -32,8 +32,8 @@ class FunctionTrajectory:
     span: first and last time at which the functions hold, s.
     t0_ns: epoch of t = 0, ns.
 
-    Derivatives are exact to round-off; `kreisel.maths.jets` says what is taken at kinks. Along a path a row is
-    what holds just after its time, and at rest the last attitude is held. The notes of a motion name every
+    Derivatives are exact to round-off; `kreisel.maths.jets` says what is taken at kinks. Along a path a row
+    is what holds just after its time, and at rest the last attitude is held. The notes of a motion name every
     instant at which attitude or rate step.
     """
 
@@ -70,8 +70,15 @@ class FunctionTrajectory:
         found = along(self._position, times, self.span)
         _check_finite("position", times, (found.p_NB, found.v_NB, found.a_NB))
         return Motion(
-            times, found.p_NB, found.v_NB, found.a_NB, *found.attitude, self.t0_ns, self.name, path_notes(found)
-        )  # fmt: skip
+            times,
+            found.p_NB,
+            found.v_NB,
+            found.a_NB,
+            *found.attitude,
+            self.t0_ns,
+            self.name,
+            path_notes(found),
+        )
 
     def _position(self, t: Array, order: int) -> Array:
         return _differentiated("position", self.position, t, order)
@@ -101,8 +108,8 @@ def _one_function(name: str, given: Any) -> Function:
             else repr(given)
         )
         raise TypeError(
-            f"{name} must be three functions of time (or numbers), or one function that returns (n, 3); got {held}. "
-            f"Samples go to SampledTrajectory."
+            f"{name} must be three functions of time (or numbers), or one function that returns (n, 3); "
+            f"got {held}. Samples go to SampledTrajectory."
         )
     return lambda t: tuple(part(t) if callable(part) else float(part) for part in parts)
 
@@ -119,7 +126,8 @@ def _check_inside(times: Array, span: tuple[float, float]) -> None:
     if outside.any():
         k = int(np.argmax(outside))
         raise ValueError(
-            f"t must lie inside the span of the trajectory, {span[0]:.9g} to {span[1]:.9g} s; row {k} is {times[k]:.9g}."
+            f"t must lie inside the span of the trajectory, {span[0]:.9g} to {span[1]:.9g} s; "
+            f"row {k} is {times[k]:.9g}."
         )
 
 

@@ -9,7 +9,7 @@ from kreisel.simulate.trajectories.functions import FunctionTrajectory
 
 
 def helix(radius: float = 1.0, pitch: float = 0.5, period: float = 4.0) -> Trajectory:
-    """A helix of `radius` m around the z axis that rises by `pitch` m in every turn of `period` s; nose along it."""
+    """A helix of `radius` m around z that rises by `pitch` m in every turn of `period` s; nose along it."""
     rate = 2.0 * np.pi / period
     return FunctionTrajectory(
         (

@@ -1,4 +1,4 @@
-"""Turns three amplitudes, harmonics and phases into a Lissajous loop, by default that of the document's figure 1."""
+"""Turns amplitudes, harmonics and phases into a Lissajous loop, by default that of figure 1."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Turns two sides and a corner radius into a level rectangle with rounded corners, driven at constant speed."""
+"""Turns two sides and a corner radius into a level rounded rectangle, driven at constant speed."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from kreisel.simulate.notes import joint_notes
 
 @dataclass(frozen=True, eq=False)
 class RoundedRectangle:
-    """A level rectangle around the origin, counter-clockwise from the middle of its southern side, nose first.
+    """A level rectangle around the origin, counter-clockwise from the middle of its southern side.
 
     length, width: m, along x and y, corners included; radius: m of the corners; speed: m/s, constant.
 
-    Straight sides and quarter circles meet in joints where the acceleration steps by speed^2 / radius and the rate
-    by speed / radius; a row at a joint belongs to the piece that begins there. Calculated from the length of
-    the arc, so any number of laps is as good as the first.
+    Straight sides and quarter circles meet in joints where the acceleration steps by speed^2 / radius and the
+    rate by speed / radius; a row at a joint belongs to the piece that begins there. Calculated from
+    the length of the arc, so any number of laps is as good as the first.
     """
 
     length: float = 1.0

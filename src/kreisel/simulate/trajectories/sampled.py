@@ -161,10 +161,11 @@ class SampledTrajectory:
     def _course(self) -> Course:
         position, _ = self._position
         fastest = float(np.linalg.norm(position(self.t, 1)[1], axis=1).max())
-        # A thousandth of the largest speed, where interpolation rings after a jerk; behind noise, the speed
-        # whose direction is known to 3 degrees.
-        noise = np.linalg.norm(getattr(position, "rate_sigma", 0.0))
-        return course(position, self.t, max(1e-3 * fastest, 20.0 * float(noise)))
+        # A thousandth of the largest speed, where interpolation rings after a jerk, and round-off.
+        floor = 1e-3 * fastest + 1e-13 * float(np.abs(self.position).max()) / float(np.diff(self.t).min())
+        # Behind noise, the speed whose direction is known to 3 degrees.
+        known = 20.0 * float(np.linalg.norm(position.rate_sigma))
+        return course(position, self.t, max(floor, known), position.response)
 
     def _signal(
         self, what: str, unit: str, x: Array, rate: Array | None = None, shared: bool = False

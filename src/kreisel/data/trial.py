@@ -1,0 +1,17 @@
+"""A recording together with the attitude that a reference system measured at the same time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from kreisel.data.attitude import Reference
+from kreisel.data.recording import ImuRecording
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trial:
+    """What a benchmark file holds: what the IMU said, and how it was turned in truth."""
+
+    recording: ImuRecording
+    reference: Reference  # attitude of the sensor, on stamps of its own
+    name: str = ""
