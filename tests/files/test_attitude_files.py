@@ -73,10 +73,10 @@ def test_kinds_that_fit_are_converted_and_others_named(tmp_path: Path) -> None:
     found = kreisel.read(tmp_path / "p.npz", kind="attitude")
     assert isinstance(found, kreisel.AttitudeHistory) and found.t0_ns == 7
     np.testing.assert_array_equal(found.R_NS, turning())
-    with pytest.raises(ValueError, match="holds poses; a reference attitude was asked for"):
+    with pytest.raises(ValueError, match="holds poses, not a reference attitude"):
         kreisel.read(tmp_path / "p.npz", kind="reference")
     kreisel.write(tmp_path / "bare.csv", kreisel.Poses(np.arange(5.0), np.ones((5, 3))))
-    with pytest.raises(ValueError, match="holds poses; attitude over time was asked for"):
+    with pytest.raises(ValueError, match="holds poses, not attitude over time"):
         kreisel.read(tmp_path / "bare.csv", kind="attitude")
 
 

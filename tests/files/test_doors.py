@@ -55,7 +55,7 @@ def test_a_missing_file_suggests_its_neighbour(tmp_path: Path) -> None:
 
 def test_kind_is_insisted_on(tmp_path: Path) -> None:
     kreisel.write(tmp_path / "imu.csv", IMU)
-    with pytest.raises(ValueError, match="holds an IMU recording; poses was asked for"):
+    with pytest.raises(ValueError, match="holds an IMU recording, not poses"):
         kreisel.read(tmp_path / "imu.csv", kind="poses")
 
 

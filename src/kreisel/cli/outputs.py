@@ -52,8 +52,8 @@ def write_simulation(
     if animation:
         from kreisel.show.animation import animate
 
-        animate(motion, mounts, folder / "motion.gif")
-        lines.append(f"{folder / 'motion.gif'}  the body moving along its path")
+        animate(motion, mounts, folder / "motion.gif", recording=recordings[0])
+        lines.append(f"{folder / 'motion.gif'}  the body moving along its path, and what it feels")
     return lines
 
 

@@ -186,4 +186,4 @@ def _as_kind(data: Content, kind: str | None, path: Path) -> Content:
         return data.recording
     if isinstance(data, Trial) and kind == "reference":
         return data.reference
-    raise ValueError(f"{path} holds {KINDS[have]}; {KINDS[kind]} was asked for.")
+    raise ValueError(f"{path} holds {KINDS[have]}, not {KINDS[kind]}.")

@@ -57,7 +57,7 @@ def _turns(position: Signal, start: Array, stop: Array, floor: float) -> Array:
     """Rotation vectors (n, 3) in N over the steps from `start` to `stop`."""
     h = (stop - start)[:, None]
     first, second = (_kappa(position, start + c * (stop - start), floor) for c in _GAUSS)
-    return 0.5 * h * (first + second) + np.sqrt(3.0) / 12.0 * h * h * np.cross(second, first)
+    return np.asarray(0.5 * h * (first + second) + np.sqrt(3.0) / 12.0 * h * h * np.cross(second, first))
 
 
 def _kappa(position: Signal, t: Array, floor: float) -> Array:

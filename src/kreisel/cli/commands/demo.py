@@ -34,7 +34,8 @@ def run(args: Namespace) -> int:
     print(
         "An IMU sits 75 mm behind, 75 mm to the right of and 25 mm above its centre of mass: 5 s at 200 Hz."
     )
-    print("\n".join(describe_notes(motion.notes)))
+    for line in describe_notes(motion.notes):
+        print(line)
     print(f"\nMade in {time.perf_counter() - started:.1f} s:")
     print(aligned(lines))
     print("\nNext, with a file of your own (time, position and, if you have it, attitude):")

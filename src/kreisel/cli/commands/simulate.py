@@ -12,7 +12,7 @@ from kreisel.cli.inputs import add_input_arguments, read_input
 from kreisel.cli.outputs import aligned, describe_notes, write_simulation
 from kreisel.data.checks import choice
 from kreisel.data.frames import WORLDS
-from kreisel.data.motion import Motion, Mount
+from kreisel.data.motion import Mount
 from kreisel.data.trajectory import Poses
 
 HELP = "IMU data of a body that moves along the poses in a file"
@@ -58,7 +58,8 @@ def run(args: Namespace) -> int:
     mounts = [parse_mount(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
     if len({m.name for m in mounts}) < len(mounts):
         raise ValueError("two IMUs share a name; write --imu NAME:X,Y,Z with different names.")
-    poses = _poses(read_input(args), args.input)
+    poses = read_input(args, kind="poses")
+    assert isinstance(poses, Poses)  # the kind asked for
     trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method)
     motion = trajectory.sample(_times(trajectory.span, args.rate))
     lines = write_simulation(
@@ -96,16 +97,6 @@ def _is_vector(text: str) -> bool:
         return len([float(x) for x in text.split(",")]) == 3
     except ValueError:
         return False
-
-
-def _poses(data: object, name: str) -> Poses:
-    if isinstance(data, Motion):
-        return Poses(data.t, data.p_NB, data.R_NB, data.v_NB, data.t0_ns, data.name)
-    if not isinstance(data, Poses):
-        raise ValueError(
-            f"{name} holds no positions; simulate needs poses (positions, with or without attitude)."
-        )
-    return data
 
 
 def _times(span: tuple[float, float], rate: float | None) -> np.ndarray | None:
