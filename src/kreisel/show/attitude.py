@@ -130,9 +130,9 @@ def _error_lines(axes: Axes, errors: AttitudeErrors, values: Array, colour: str)
 
 
 def _level(axes: Axes, y: float, colour: str) -> Line2D:
-    look = {"color": colour, "linewidth": 0.9, "linestyle": (0, (5.0, 2.5)), "alpha": 0.75, "zorder": 3.5}
     low, high = axes.get_ylim()
-    line = axes.axhline(y, label=f"RMSE {_degrees(abs(y))}", **look)
+    line = axes.axhline(y, color=colour, linewidth=0.9, linestyle=(0, (5.0, 2.5)), alpha=0.75, zorder=3.5)
+    line.set_label(f"RMSE {_degrees(abs(y))}")
     axes.set_ylim(low, high)
     return line
 
