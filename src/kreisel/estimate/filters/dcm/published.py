@@ -56,10 +56,8 @@ def _orthonormal(north: Vector, west: Vector) -> tuple[Vector, Vector, Vector]:
 @inlined
 def _step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, dt: float) -> None:
     """Move `state` over the `dt` seconds that end with these samples."""
-    if state[at.LEVELLED] == 0.0 or state[at.NORTHED] < params[at.START_NORTH]:
-        start(state, params, accel, mag)
-        return
-    if not dt > 0.0:
+    waits = state[at.LEVELLED] == 0.0 or state[at.NORTHED] < params[at.START_NORTH]
+    if (waits and start(state, params, accel, mag)) or not dt > 0.0:
         return
     state[at.FLAGS] = 0.0
     north, up = load(state, at.R + 3), load(state, at.R + 6)

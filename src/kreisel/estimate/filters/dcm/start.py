@@ -1,5 +1,7 @@
 """First samples into the first attitude, and missing gyro samples into the rate that bridges them."""
 
+import math
+
 from kreisel.estimate.filters.dcm import state as at
 from kreisel.estimate.filters.dcm.vectors import Array, Vector, added, cross, dot, load, scaled, store, unit
 from kreisel.maths.kernels import inlined, kernel
@@ -25,23 +27,30 @@ def north_of(mag: Vector, up: Vector, cos_d: float, sin_d: float) -> Vector:
 
 
 @kernel
-def start(state: Array, params: Array, accel: Vector, mag: Vector) -> None:
+def start(state: Array, params: Array, accel: Vector, mag: Vector) -> bool:
     """Level with the first accelerometer sample, head north with the first magnetometer sample.
 
-    Without a magnetometer the yaw starts at zero: x_S points east, or y_S north where x_S is vertical.
+    True where this sample has set the inclination, and so begins the answer. Without a magnetometer the yaw
+    starts at zero: x_S points east, or y_S north where x_S is vertical.
     """
-    up = load(state, at.R + 6)
+    begins = False
     if state[at.LEVELLED] == 0.0:
         up = unit(accel)
         if dot(up, up) == 0.0:
-            return
+            return False
         y = cross(up, (1.0, 0.0, 0.0)) if abs(up[0]) < _VERTICAL else (0.0, 1.0, 0.0)
         _face(state, horizontal(up, y), up)
         state[at.LEVELLED] = 1.0
+        begins = True
+    up = load(state, at.R + 6)
     north = north_of(mag, up, params[at.DECLINATION], params[at.DECLINATION + 1])
-    if params[at.START_NORTH] == 1.0 and dot(north, north) > 0.0:
+    if state[at.NORTHED] == 0.0 and params[at.START_NORTH] == 1.0 and dot(north, north) > 0.0:
+        before = load(state, at.R + 3)
+        # Angle about up by which the answer turns: what was north is now seen from the new north.
+        state[at.HEADING] = math.atan2(dot(cross(north, before), up), dot(before, north))
         _face(state, north, up)
         state[at.NORTHED] = 1.0
+    return begins
 
 
 @inlined
@@ -59,7 +68,7 @@ def is_rate(gyro: Vector) -> bool:
 @kernel
 def bridge(state: Array, params: Array, dt: float) -> Vector:
     """The rate where a gyro sample is missing: the latest one through a short gap, none in a long one."""
-    state[at.FLAGS] = at.HELD
+    state[at.FLAGS] += at.HELD
     state[at.GAP] += dt
     if state[at.GAP] > params[at.HOLD]:
         return 0.0, 0.0, 0.0

@@ -35,6 +35,16 @@ def added(a: Vector, k: float, b: Vector) -> Vector:
 
 
 @inlined
+def combined(k: Vector, a: Vector, b: Vector, c: Vector) -> Vector:
+    """k[0] a + k[1] b + k[2] c"""
+    return (
+        k[0] * a[0] + k[1] * b[0] + k[2] * c[0],
+        k[0] * a[1] + k[1] * b[1] + k[2] * c[1],
+        k[0] * a[2] + k[1] * b[2] + k[2] * c[2],
+    )
+
+
+@inlined
 def norm(a: Vector) -> float:
     """abs(a), and zero where its square is not finite or so small or large that it is no measurement."""
     n2 = a[0] * a[0] + a[1] * a[1] + a[2] * a[2]

@@ -1,0 +1,291 @@
+"""The sums of a window into corrections: a small Kalman filter of attitude, velocity, gyro bias and gyro scale.
+
+The specific force in N, summed, is a velocity. That of a body which stays about its place stays small, while a
+tilt error t makes it run away by g t: this low-passes the force before it corrects the inclination. The field
+in N, averaged, gives the heading. Bias and scale follow from how both errors grow with time and with rotation.
+
+Errors are estimate less truth: R_est = Exp(theta) R_true, and theta' = -R (bias + C gyro).
+"""
+
+import math
+
+from kreisel.estimate.filters.dcm import state as at
+from kreisel.estimate.filters.dcm.vectors import (
+    Array,
+    Vector,
+    added,
+    combined,
+    cross,
+    dot,
+    load,
+    rotated,
+    scaled,
+    store,
+    unit,
+)
+from kreisel.maths.kernels import kernel
+
+# Places in the parameter array, after those that every step shares.
+DOF = at.COMMON_PARAMETERS  # 9, 6 or 0 (gyro alone)
+WINDOW = DOF + 1  # s
+GYRO_NOISE = DOF + 2  # rad/s/sqrt(Hz)
+BIAS_DRIFT = DOF + 3  # rad/s/sqrt(s)
+SCALE_DRIFT = DOF + 4  # 1/sqrt(s)
+FORCE_NOISE = DOF + 5  # m/s^2/sqrt(Hz)
+VELOCITY_NOISE = DOF + 6  # m/s/sqrt(Hz)
+HEADING_NOISE = DOF + 7  # rad/sqrt(Hz)
+FIELD_SPREAD = DOF + 8  # 1, of the norm of the field
+FIELD_RELEASE = DOF + 9  # s
+FIELD_MEMORY = DOF + 10  # s
+REST_GYRO = DOF + 11  # rad/s
+REST_ACCEL = DOF + 12  # m/s^2
+PARAMETERS = DOF + 13
+
+# rad/s/sqrt(Hz): how well a gyro mean at rest is known; twice what a phone's gyro has, for table and hand.
+_REST_GYRO_NOISE = 5e-4
+
+# m/s/sqrt(Hz): the same for the velocity of a sensor at rest.
+_REST_VELOCITY_NOISE = 0.02
+
+# s: rest is believed after this time; the same length of gyro readings makes a bias.
+_STRETCH = 0.5
+
+# Standard deviations by which a mean at rest may differ from the known bias; more is a slow rotation.
+_REST_GATE = 4.0
+
+# rad/s/sqrt(Hz): what is known of the rate while the gyro is missing.
+_MISSING_NOISE = 1.0
+
+
+@kernel
+def sum_turn(state: Array) -> None:
+    """Add how bias and scale have turned the attitude since this was last asked."""
+    dt, g = state[at.SUBTIME], load(state, at.SUBTURN)
+    for i in range(9):
+        r = state[at.R + i]
+        state[at.TURN_BY_BIAS + i] -= r * dt
+        for j in range(3):
+            state[at.TURN_BY_SCALE + 3 * i + j] -= r * g[j]
+    state[at.SUBTIME] = 0.0
+    store(state, at.SUBTURN, (0.0, 0.0, 0.0))
+
+
+@kernel
+def _propagate(state: Array, params: Array, P: Array) -> None:
+    """P over the window: P <- F P F^T + Q, where only the rows of attitude and velocity of F are not trivial."""
+    n = at.ERRORS
+    # Velocity first, for it grows with the attitude error at the beginning: v' = theta x f.
+    f = load(state, at.FORCE_SUM)
+    for j in range(n):
+        a, b, c = P[0, j], P[1, j], P[2, j]
+        P[3, j] += b * f[2] - c * f[1]
+        P[4, j] += c * f[0] - a * f[2]
+    for j in range(n):
+        a, b, c = P[j, 0], P[j, 1], P[j, 2]
+        P[j, 3] += b * f[2] - c * f[1]
+        P[j, 4] += c * f[0] - a * f[2]
+    for i in range(3):
+        for k in range(3):
+            g = state[at.TURN_BY_BIAS + 3 * i + k]
+            for j in range(n):
+                P[i, j] += g * P[at.B + k, j]
+        for k in range(9):
+            g = state[at.TURN_BY_SCALE + 9 * i + k]
+            for j in range(n):
+                P[i, j] += g * P[at.C + k, j]
+    for j in range(n):
+        for i in range(3):
+            g = 0.0
+            for k in range(3):
+                g += state[at.TURN_BY_BIAS + 3 * i + k] * P[j, at.B + k]
+            for k in range(9):
+                g += state[at.TURN_BY_SCALE + 9 * i + k] * P[j, at.C + k]
+            P[j, i] += g
+    dt = state[at.LENGTH]
+    q = dt * params[GYRO_NOISE] ** 2 + state[at.MISSING] * _MISSING_NOISE**2
+    for i in range(3):
+        P[i, i] += q
+        P[at.B + i, at.B + i] += dt * params[BIAS_DRIFT] ** 2
+    for i in range(2):
+        P[at.V + i, at.V + i] += dt * params[FORCE_NOISE] ** 2
+    for i in range(9):
+        P[at.C + i, at.C + i] += dt * params[SCALE_DRIFT] ** 2
+
+
+@kernel
+def _observe(state: Array, P: Array, i: int, error: float, variance: float) -> None:
+    """Take in that error i is `error`, known to `variance`."""
+    n = at.ERRORS
+    x, column = state[at.CORRECTION : at.CORRECTION + n], state[at.COLUMN : at.COLUMN + n]
+    column[:] = P[i]
+    k = 1.0 / (column[i] + variance)
+    innovation = k * (error - x[i])
+    for a in range(n):
+        x[a] += column[a] * innovation
+        g = column[a] * k
+        for b in range(n):
+            P[a, b] -= g * column[b]
+
+
+@kernel
+def _is_still(state: Array, params: Array, P: Array) -> bool:
+    """Whether this window's readings scatter like noise, around a rate that the known bias explains."""
+    dt, da = state[at.LENGTH], state[at.ACCEL_TIME]
+    gyro, accel = scaled(1.0 / dt, load(state, at.GYRO_SUM)), load(state, at.ACCEL_SUM)
+    if da < 0.5 * dt or state[at.MISSING] > 0.0:
+        return False
+    scatter = state[at.GYRO_SQUARES] / dt - dot(gyro, gyro)
+    shake = (state[at.ACCEL_SQUARES] - dot(accel, accel) / da) / da
+    for i in range(3):
+        spread = P[at.B + i, at.B + i] + _REST_GYRO_NOISE**2 / dt
+        if (gyro[i] - state[at.BIAS + i]) ** 2 > _REST_GATE**2 * spread:
+            return False
+    return scatter < params[REST_GYRO] ** 2 and shake < params[REST_ACCEL] ** 2
+
+
+@kernel
+def _clear(state: Array, first: int, past: int) -> None:
+    for i in range(first, past):
+        state[i] = 0.0
+
+
+@kernel
+def _learn_at_rest(state: Array, P: Array) -> None:
+    """The gyro's mean over a stretch of rest is its bias, if another stretch came before it and one follows.
+
+    Rest begins with the end of a motion and ends with the beginning of one, below any threshold.
+    """
+    for i in range(3):
+        state[at.STRETCH + i] += state[at.GYRO_SUM + i]
+    state[at.STRETCH + 3] += state[at.LENGTH]
+    if state[at.STRETCH + 3] < _STRETCH:
+        return
+    dt = state[at.WAITING + 3]
+    if dt > 0.0:
+        for i in range(3):
+            error = state[at.BIAS + i] - state[at.WAITING + i] / dt
+            _observe(state, P, at.B + i, error, _REST_GYRO_NOISE**2 / dt)
+    first = state[at.REST_TIME] < 1.5 * _STRETCH
+    for i in range(4):
+        state[at.WAITING + i] = 0.0 if first else state[at.STRETCH + i]
+    _clear(state, at.STRETCH, at.STRETCH + 4)
+
+
+@kernel
+def _watch_rest(state: Array, params: Array, P: Array) -> bool:
+    """Keep account of rest, and learn the bias from it."""
+    if not _is_still(state, params, P):
+        state[at.REST_TIME] = 0.0
+        _clear(state, at.STRETCH, at.STRETCH + 4)
+        _clear(state, at.WAITING, at.WAITING + 4)
+        return False
+    state[at.REST_TIME] += state[at.LENGTH]
+    _learn_at_rest(state, P)
+    return state[at.REST_TIME] >= _STRETCH
+
+
+@kernel
+def _observe_velocity(state: Array, params: Array, P: Array, rest: bool) -> None:
+    noise = _REST_VELOCITY_NOISE if rest else params[VELOCITY_NOISE]
+    # Without samples the sum says nothing new.
+    if state[at.ACCEL_TIME] > 0.0:
+        for i in range(2):
+            _observe(state, P, at.V + i, state[at.VELOCITY + i], noise**2 / state[at.ACCEL_TIME])
+
+
+@kernel
+def _learn_field(state: Array, params: Array, level: float, up: float, trust: float, rest: bool) -> None:
+    """The reference field follows one that it trusts, or one that stays the same while the body moves."""
+    dt, spread = state[at.LENGTH], params[FIELD_SPREAD] * math.hypot(state[at.FIELD], state[at.FIELD + 1])
+    state[at.FIELD_TIME] += dt
+    memory = params[FIELD_MEMORY]
+    if not rest:
+        k = min(1.0, 2.0 * dt / memory)
+        a, b = level - state[at.CANDIDATE], up - state[at.CANDIDATE + 1]
+        state[at.CANDIDATE] += k * a
+        state[at.CANDIDATE + 1] += k * b
+        state[at.CANDIDATE + 2] += k * (0.5 * (a * a + b * b) - state[at.CANDIDATE + 2])
+        trust = max(trust, 1.0 / (1.0 + state[at.CANDIDATE + 2] / spread**2) ** 2)
+    if state[at.FIELD_TIME] < memory:
+        memory, trust = state[at.FIELD_TIME], 1.0
+    k = min(1.0, dt * trust / memory)
+    state[at.FIELD] += k * (level - state[at.FIELD])
+    state[at.FIELD + 1] += k * (up - state[at.FIELD + 1])
+
+
+@kernel
+def _observe_field(state: Array, params: Array, P: Array, rest: bool) -> float:
+    """Heading from the field, trusted as far as its norm and dip are those of the reference; at.DISTURBED or 0.
+
+    A disturbance that adds as much along each axis turns the heading by as much as it changes norm and dip:
+    these two known components tell how far to believe the third.
+    """
+    k = 1.0 / state[at.MAG_COUNT]
+    east, north, up = scaled(k, load(state, at.MAG_SUM))
+    level = math.hypot(east, north)
+    if state[at.FIELD_TIME] == 0.0:
+        state[at.FIELD], state[at.FIELD + 1] = level, up
+        state[at.CANDIDATE], state[at.CANDIDATE + 1] = level, up
+    norm = math.hypot(state[at.FIELD], state[at.FIELD + 1])
+    stretched = math.hypot(level, up) - norm
+    dipped = norm * (math.atan2(up, level) - math.atan2(state[at.FIELD + 1], state[at.FIELD]))
+    deviation = 0.5 * (stretched**2 + dipped**2)
+    # A peak is kept for a while: what disturbed a moment ago is still near.
+    state[at.DEVIATION] *= math.exp(-state[at.LENGTH] / params[FIELD_RELEASE])
+    state[at.DEVIATION] = max(deviation, state[at.DEVIATION])
+    doubt = 1.0 + state[at.DEVIATION] / (params[FIELD_SPREAD] * norm) ** 2
+    # An answer of the arc tangent in -pi .. pi, whatever the declination.
+    cos_d, sin_d = params[at.DECLINATION], params[at.DECLINATION + 1]
+    error = math.atan2(sin_d * north - cos_d * east, cos_d * north + sin_d * east)
+    before = state[at.CORRECTION + 2]
+    _observe(state, P, 2, error, (doubt * params[HEADING_NOISE]) ** 2 / state[at.LENGTH])
+    state[at.HEADING] -= state[at.CORRECTION + 2] - before
+    _learn_field(state, params, level, up, 1.0 / doubt, rest)
+    return at.DISTURBED if doubt > 2.0 else 0.0
+
+
+@kernel
+def _correct(state: Array) -> None:
+    x = state[at.CORRECTION : at.CORRECTION + at.ERRORS]
+    turn_rows(state, (-x[0], -x[1], -x[2]))
+    for i in range(2):
+        state[at.VELOCITY + i] -= x[at.V + i]
+    for i in range(3):
+        state[at.BIAS + i] -= x[at.B + i]
+    for i in range(9):
+        state[at.SCALE + i] -= x[at.C + i]
+
+
+@kernel
+def turn_rows(state: Array, theta: Vector) -> None:
+    """R_NS <- Exp(theta) R_NS for theta in N, orthonormal to round-off."""
+    east, north, up = load(state, at.R), load(state, at.R + 3), load(state, at.R + 6)
+    x, y, z = rotated(theta, (1.0, 0.0, 0.0)), rotated(theta, (0.0, 1.0, 0.0)), rotated(theta, (0.0, 0.0, 1.0))
+    new_east = unit(combined((x[0], y[0], z[0]), east, north, up))
+    new_up = combined((x[2], y[2], z[2]), east, north, up)
+    new_up = unit(added(new_up, -dot(new_up, new_east), new_east))
+    store(state, at.R, new_east)
+    store(state, at.R + 3, cross(new_up, new_east))
+    store(state, at.R + 6, new_up)
+
+
+@kernel
+def close_window(state: Array, params: Array) -> None:
+    """Turn the sums of a window into corrections, and begin the next one."""
+    n = at.ERRORS
+    P = state[at.COVARIANCE : at.COVARIANCE + n * n].reshape(n, n)
+    calm = 0.0
+    _clear(state, at.CORRECTION, at.CORRECTION + n)
+    if params[DOF] > 0.0 and state[at.LEVELLED] == 1.0:
+        sum_turn(state)
+        _propagate(state, params, P)
+        for i in range(2):
+            state[at.VELOCITY + i] += state[at.FORCE_SUM + i]
+        rest = _watch_rest(state, params, P)
+        _observe_velocity(state, params, P, rest)
+        calm = at.REST if rest else 0.0
+        if params[DOF] == 9.0 and state[at.MAG_COUNT] > 0.0:
+            calm += _observe_field(state, params, P, rest)
+    _correct(state)
+    _clear(state, at.SUMS, at.SUMS_END)
+    state[at.CALM] = calm
