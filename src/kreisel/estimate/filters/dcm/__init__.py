@@ -93,10 +93,12 @@ class DcmFilter:
         )
 
     def start(self, R_NS: Array | None = None) -> Array:
-        state = np.zeros(at.COMMON_STATE if self.published else at.SIZE)
+        state = np.zeros(at.COMMON if self.published else at.SIZE)
         state[at.R : at.R + 9] = np.eye(3).ravel() if R_NS is None else np.ravel(R_NS)
         if R_NS is not None:
             state[at.LEVELLED] = state[at.NORTHED] = 1.0
+        else:
+            state[at.CALM] = at.HELD
         if not self.published:
             v = _GRAVITY * self.gyro_noise * self.accel_time**2
             sigmas = [_START_TILT] * 2 + [_START_HEADING] + [v] * 2 + [self.bias_spread] * 3 + [self.scale_spread] * 9

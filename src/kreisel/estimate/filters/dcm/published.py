@@ -59,7 +59,7 @@ def _step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector,
     waits = state[at.LEVELLED] == 0.0 or state[at.NORTHED] < params[at.START_NORTH]
     if (waits and start(state, params, accel, mag)) or not dt > 0.0:
         return
-    state[at.FLAGS] = 0.0
+    state[at.FLAGS] = state[at.CALM]
     north, up = load(state, at.R + 3), load(state, at.R + 6)
     west = scaled(-1.0, load(state, at.R))
     if is_rate(gyro):

@@ -41,6 +41,7 @@ def start(state: Array, params: Array, accel: Vector, mag: Vector) -> bool:
         y = cross(up, (1.0, 0.0, 0.0)) if abs(up[0]) < _VERTICAL else (0.0, 1.0, 0.0)
         _face(state, horizontal(up, y), up)
         state[at.LEVELLED] = 1.0
+        state[at.CALM] = state[at.FLAGS] = 0.0
         begins = True
     up = load(state, at.R + 6)
     north = north_of(mag, up, params[at.DECLINATION], params[at.DECLINATION + 1])
@@ -70,6 +71,7 @@ def bridge(state: Array, params: Array, dt: float) -> Vector:
     """The rate where a gyro sample is missing: the latest one through a short gap, none in a long one."""
     state[at.FLAGS] += at.HELD
     state[at.GAP] += dt
+    state[at.MISSING] += dt
     if state[at.GAP] > params[at.HOLD]:
         return 0.0, 0.0, 0.0
     return load(state, at.RATE)

@@ -69,18 +69,23 @@ def inverse_root_near_one(x: float) -> float:
 
 
 @inlined
-def rotated(dtheta: Vector, r: Vector) -> Vector:
-    """Exp(dtheta) r"""
-    a2 = dot(dtheta, dtheta)
+def exp_factors(a2: float) -> tuple[float, float]:
+    """sin(a) / a and (1 - cos(a)) / a^2 from a^2, with which Exp(v) = 1 + s [v]x + c [v]x^2 for abs(v) = a."""
     if a2 < 0.01:
         # The next terms, a^10 / 11! and a^10 / 12!, are below 3e-18.
-        s = 1.0 - a2 / 6.0 * (1.0 - a2 / 20.0 * (1.0 - a2 / 42.0 * (1.0 - a2 / 72.0)))
-        c = 0.5 - a2 / 24.0 * (1.0 - a2 / 30.0 * (1.0 - a2 / 56.0 * (1.0 - a2 / 90.0)))
-    else:
-        a = math.sqrt(a2)
-        # Half-angle form: 1 - cos(a) loses digits where a is small.
-        half = math.sin(0.5 * a) / a
-        s, c = math.sin(a) / a, 2.0 * half * half
+        s = 1.0 + a2 * (-1.0 / 6.0 + a2 * (1.0 / 120.0 + a2 * (-1.0 / 5040.0 + a2 * (1.0 / 362880.0))))
+        c = 0.5 + a2 * (-1.0 / 24.0 + a2 * (1.0 / 720.0 + a2 * (-1.0 / 40320.0 + a2 * (1.0 / 3628800.0))))
+        return s, c
+    a = math.sqrt(a2)
+    # Half-angle form: 1 - cos(a) loses digits where a is small.
+    half = math.sin(0.5 * a) / a
+    return math.sin(a) / a, 2.0 * half * half
+
+
+@inlined
+def rotated(dtheta: Vector, r: Vector) -> Vector:
+    """Exp(dtheta) r"""
+    s, c = exp_factors(dot(dtheta, dtheta))
     first = cross(dtheta, r)
     return added(added(r, s, first), c, cross(dtheta, first))
 

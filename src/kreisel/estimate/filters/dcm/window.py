@@ -41,6 +41,15 @@ REST_GYRO = DOF + 11  # rad/s
 REST_ACCEL = DOF + 12  # m/s^2
 PARAMETERS = DOF + 13
 
+# rad: a magnetometer that reads the same to the last bit while it turns by this has died.
+_STUCK = 0.35
+
+# The window is summed in this many parts where its effect on the attitude is linearised.
+_PARTS = 16.0
+
+# s: rounded time stamps must not make every other window a sample longer.
+ROUNDING = 5e-10
+
 # rad/s/sqrt(Hz): how well a gyro mean at rest is known; twice what a phone's gyro has, for table and hand.
 _REST_GYRO_NOISE = 5e-4
 
@@ -58,16 +67,18 @@ _MISSING_NOISE = 1.0
 
 
 @kernel
-def sum_turn(state: Array) -> None:
+def sum_turn(state: Array, params: Array) -> None:
     """Add how bias and scale have turned the attitude since this was last asked."""
-    dt, g = state[at.SUBTIME], load(state, at.SUBTURN)
+    dt = state[at.LENGTH] - state[at.SUMMED]
     for i in range(9):
-        r = state[at.R + i]
-        state[at.TURN_BY_BIAS + i] -= r * dt
-        for j in range(3):
-            state[at.TURN_BY_SCALE + 3 * i + j] -= r * g[j]
-    state[at.SUBTIME] = 0.0
-    store(state, at.SUBTURN, (0.0, 0.0, 0.0))
+        state[at.TURN_BY_BIAS + i] -= state[at.R + i] * dt
+    for k in range(3):
+        turn = state[at.GYRO_SUM + k] - state[at.SUMMED + 1 + k]
+        for i in range(9):
+            state[at.TURN_BY_SCALE + 9 * k + i] -= state[at.R + i] * turn
+        state[at.SUMMED + 1 + k] = state[at.GYRO_SUM + k]
+    state[at.SUMMED] = state[at.LENGTH]
+    state[at.NEXT_PART] = min(state[at.LENGTH] + params[WINDOW] / _PARTS, params[WINDOW]) - ROUNDING
 
 
 @kernel
@@ -90,7 +101,7 @@ def _propagate(state: Array, params: Array, P: Array) -> None:
             for j in range(n):
                 P[i, j] += g * P[at.B + k, j]
         for k in range(9):
-            g = state[at.TURN_BY_SCALE + 9 * i + k]
+            g = state[at.TURN_BY_SCALE + 9 * (k // 3) + 3 * i + k % 3]
             for j in range(n):
                 P[i, j] += g * P[at.C + k, j]
     for j in range(n):
@@ -99,7 +110,7 @@ def _propagate(state: Array, params: Array, P: Array) -> None:
             for k in range(3):
                 g += state[at.TURN_BY_BIAS + 3 * i + k] * P[j, at.B + k]
             for k in range(9):
-                g += state[at.TURN_BY_SCALE + 9 * i + k] * P[j, at.C + k]
+                g += state[at.TURN_BY_SCALE + 9 * (k // 3) + 3 * i + k % 3] * P[j, at.C + k]
             P[j, i] += g
     dt = state[at.LENGTH]
     q = dt * params[GYRO_NOISE] ** 2 + state[at.MISSING] * _MISSING_NOISE**2
@@ -277,7 +288,6 @@ def close_window(state: Array, params: Array) -> None:
     calm = 0.0
     _clear(state, at.CORRECTION, at.CORRECTION + n)
     if params[DOF] > 0.0 and state[at.LEVELLED] == 1.0:
-        sum_turn(state)
         _propagate(state, params, P)
         for i in range(2):
             state[at.VELOCITY + i] += state[at.FORCE_SUM + i]
@@ -285,7 +295,13 @@ def close_window(state: Array, params: Array) -> None:
         _observe_velocity(state, params, P, rest)
         calm = at.REST if rest else 0.0
         if params[DOF] == 9.0 and state[at.MAG_COUNT] > 0.0:
-            calm += _observe_field(state, params, P, rest)
+            if state[at.STUCK] > _STUCK:
+                calm += at.DISTURBED
+            else:
+                calm += _observe_field(state, params, P, rest)
     _correct(state)
     _clear(state, at.SUMS, at.SUMS_END)
-    state[at.CALM] = calm
+    state[at.MISSING] = 0.0
+    state[at.NEXT_PART] = params[WINDOW] / _PARTS - ROUNDING
+    if state[at.LEVELLED] == 1.0:
+        state[at.CALM] = calm
