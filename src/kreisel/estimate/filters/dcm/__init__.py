@@ -15,8 +15,8 @@ from kreisel.estimate.filters.dcm.vectors import Array
 Mode = Literal["auto", "9", "6", "gyro"]
 
 # What the first samples leave open: tilt by an acceleration of 1 m/s^2, heading by iron nearby.
-_START_TILT = math.radians(6.0)
-_START_HEADING = math.radians(10.0)
+_START_TILT = math.radians(20.0)
+_START_HEADING = math.radians(60.0)
 _GRAVITY = 9.80665
 
 
@@ -36,14 +36,15 @@ class PublishedStep:
 class DcmFilter:
     mode: Mode = "auto"
     declination: float = 0.0
-    accel_time: float = 7.5
+    accel_time: float = 5.0
     mag_time: float = 60.0
     window: float = 0.2
-    gyro_noise: float = math.radians(0.05)
+    gyro_noise: float = math.radians(0.1)
     bias_spread: float = math.radians(0.5)
     bias_drift: float = math.radians(0.005)
-    scale_spread: float = 0.007
+    scale_spread: float = 0.004
     scale_drift: float = 1e-5
+    rate_noise: float = 3e-4
     field_spread: float = 0.02
     field_release: float = 3.0
     field_memory: float = 20.0
@@ -81,7 +82,7 @@ class DcmFilter:
                 self.gyro_noise,
                 self.bias_drift,
                 self.scale_drift,
-                0.0,
+                self.rate_noise,
                 _GRAVITY * self.gyro_noise * self.accel_time**2,
                 self.gyro_noise * self.mag_time,
                 self.field_spread,

@@ -49,7 +49,8 @@ TURN_BY_BIAS = 394  # 3 x 3: -sum of R dt, what a bias error turns the attitude 
 TURN_BY_SCALE = 403  # 3 (columns of C) x 3 x 3: -sum of gyro[k] R dt
 SUMMED = 430  # 4: LENGTH and GYRO_SUM that these two already hold
 SUMS_END = 434
-SIZE = 434
+STEADY = 434  # s of motion through which the candidate has stayed the same
+SIZE = 435
 
 # ---- bits of FLAGS
 REST = 1

@@ -31,7 +31,7 @@ WINDOW = DOF + 1  # s
 GYRO_NOISE = DOF + 2  # rad/s/sqrt(Hz)
 BIAS_DRIFT = DOF + 3  # rad/s/sqrt(s)
 SCALE_DRIFT = DOF + 4  # 1/sqrt(s)
-FORCE_NOISE = DOF + 5  # m/s^2/sqrt(Hz)
+RATE_NOISE = DOF + 5  # 1/sqrt(Hz)
 VELOCITY_NOISE = DOF + 6  # m/s/sqrt(Hz)
 HEADING_NOISE = DOF + 7  # rad/sqrt(Hz)
 FIELD_SPREAD = DOF + 8  # 1, of the norm of the field
@@ -40,6 +40,12 @@ FIELD_MEMORY = DOF + 10  # s
 REST_GYRO = DOF + 11  # rad/s
 REST_ACCEL = DOF + 12  # m/s^2
 PARAMETERS = DOF + 13
+
+# m/s^2
+GRAVITY = 9.80665
+
+# rad: an answer whose tilt is known worse than that is still finding its level.
+_LEVEL = 0.06
 
 # rad: a magnetometer that reads the same to the last bit while it turns by this has died.
 _STUCK = 0.35
@@ -85,16 +91,15 @@ def sum_turn(state: Array, params: Array) -> None:
 def _propagate(state: Array, params: Array, P: Array) -> None:
     """P over the window: P <- F P F^T + Q, where only the rows of attitude and velocity of F are not trivial."""
     n = at.ERRORS
-    # Velocity first, for it grows with the attitude error at the beginning: v' = theta x f.
-    f = load(state, at.FORCE_SUM)
+    # Velocity first, for it grows with the tilt at the beginning. True gravity rather than the force that was
+    # seen: an answer that stands on its head must not find itself at rest there.
+    g = GRAVITY * state[at.ACCEL_TIME]
     for j in range(n):
-        a, b, c = P[0, j], P[1, j], P[2, j]
-        P[3, j] += b * f[2] - c * f[1]
-        P[4, j] += c * f[0] - a * f[2]
+        P[3, j] += g * P[1, j]
+        P[4, j] -= g * P[0, j]
     for j in range(n):
-        a, b, c = P[j, 0], P[j, 1], P[j, 2]
-        P[j, 3] += b * f[2] - c * f[1]
-        P[j, 4] += c * f[0] - a * f[2]
+        P[j, 3] += g * P[j, 1]
+        P[j, 4] -= g * P[j, 0]
     for i in range(3):
         for k in range(3):
             g = state[at.TURN_BY_BIAS + 3 * i + k]
@@ -113,12 +118,10 @@ def _propagate(state: Array, params: Array, P: Array) -> None:
                 g += state[at.TURN_BY_SCALE + 9 * (k // 3) + 3 * i + k % 3] * P[j, at.C + k]
             P[j, i] += g
     dt = state[at.LENGTH]
-    q = dt * params[GYRO_NOISE] ** 2 + state[at.MISSING] * _MISSING_NOISE**2
+    q = dt * params[GYRO_NOISE] ** 2 + state[at.GYRO_SQUARES] * params[RATE_NOISE] ** 2 + state[at.MISSING] * _MISSING_NOISE**2
     for i in range(3):
         P[i, i] += q
         P[at.B + i, at.B + i] += dt * params[BIAS_DRIFT] ** 2
-    for i in range(2):
-        P[at.V + i, at.V + i] += dt * params[FORCE_NOISE] ** 2
     for i in range(9):
         P[at.C + i, at.C + i] += dt * params[SCALE_DRIFT] ** 2
 
@@ -205,23 +208,37 @@ def _observe_velocity(state: Array, params: Array, P: Array, rest: bool) -> None
 
 
 @kernel
-def _learn_field(state: Array, params: Array, level: float, up: float, trust: float, rest: bool) -> None:
-    """The reference field follows one that it trusts, or one that stays the same while the body moves."""
-    dt, spread = state[at.LENGTH], params[FIELD_SPREAD] * math.hypot(state[at.FIELD], state[at.FIELD + 1])
-    state[at.FIELD_TIME] += dt
-    memory = params[FIELD_MEMORY]
-    if not rest:
-        k = min(1.0, 2.0 * dt / memory)
-        a, b = level - state[at.CANDIDATE], up - state[at.CANDIDATE + 1]
-        state[at.CANDIDATE] += k * a
-        state[at.CANDIDATE + 1] += k * b
-        state[at.CANDIDATE + 2] += k * (0.5 * (a * a + b * b) - state[at.CANDIDATE + 2])
-        trust = max(trust, 1.0 / (1.0 + state[at.CANDIDATE + 2] / spread**2) ** 2)
-    if state[at.FIELD_TIME] < memory:
-        memory, trust = state[at.FIELD_TIME], 1.0
-    k = min(1.0, dt * trust / memory)
+def _learn_field(state: Array, params: Array, level: float, up: float, trust: float) -> None:
+    """The reference is the mean of the first while, and then follows slowly what is trusted."""
+    state[at.FIELD_TIME] += state[at.LENGTH]
+    if state[at.FIELD_TIME] < params[FIELD_MEMORY]:
+        trust = 1.0
+    k = trust * state[at.LENGTH] / min(state[at.FIELD_TIME], params[FIELD_MEMORY])
     state[at.FIELD] += k * (level - state[at.FIELD])
     state[at.FIELD + 1] += k * (up - state[at.FIELD + 1])
+
+
+@kernel
+def _consider_field(state: Array, params: Array, P: Array, level: float, up: float) -> None:
+    """A field that stays the same in N while the body moves is the world's, whatever the reference says.
+
+    Iron on the body fails this test; a start beside iron, or another room, passes after FIELD_MEMORY of motion.
+    The heading may then be off by as much as the reference was.
+    """
+    spread2 = (2.0 * params[FIELD_SPREAD]) ** 2 * (level**2 + up**2)
+    k = min(1.0, 4.0 * state[at.LENGTH] / params[FIELD_MEMORY])
+    a, b = level - state[at.CANDIDATE], up - state[at.CANDIDATE + 1]
+    state[at.CANDIDATE] += k * a
+    state[at.CANDIDATE + 1] += k * b
+    state[at.CANDIDATE + 2] += k * (0.5 * (a * a + b * b) - state[at.CANDIDATE + 2])
+    state[at.STEADY] += state[at.LENGTH]
+    if state[at.CANDIDATE + 2] > spread2:
+        state[at.STEADY] = 0.0
+    a, b = state[at.CANDIDATE] - state[at.FIELD], state[at.CANDIDATE + 1] - state[at.FIELD + 1]
+    if state[at.STEADY] > params[FIELD_MEMORY] and a * a + b * b > 2.0*spread2:
+        state[at.FIELD], state[at.FIELD + 1] = state[at.CANDIDATE], state[at.CANDIDATE + 1]
+        P[2, 2] += min(1.0, (a * a + b * b) / level**2)
+        state[at.DEVIATION] = state[at.STEADY] = 0.0
 
 
 @kernel
@@ -244,14 +261,24 @@ def _observe_field(state: Array, params: Array, P: Array, rest: bool) -> float:
     # A peak is kept for a while: what disturbed a moment ago is still near.
     state[at.DEVIATION] *= math.exp(-state[at.LENGTH] / params[FIELD_RELEASE])
     state[at.DEVIATION] = max(deviation, state[at.DEVIATION])
-    doubt = 1.0 + state[at.DEVIATION] / (params[FIELD_SPREAD] * norm) ** 2
+    tilt = 0.5 * (P[0, 0] + P[1, 1])
+    if tilt > _LEVEL**2:
+        # What is not level knows neither heading nor dip: both follow the latest window.
+        P[2, 2] += 1.0
+        state[at.FIELD], state[at.FIELD + 1] = level, up
+        state[at.DEVIATION] = state[at.FIELD_TIME] = 0.0
+    doubt = 1.0 + state[at.DEVIATION] / (norm**2 * (params[FIELD_SPREAD] ** 2 + tilt))
     # An answer of the arc tangent in -pi .. pi, whatever the declination.
     cos_d, sin_d = params[at.DECLINATION], params[at.DECLINATION + 1]
     error = math.atan2(sin_d * north - cos_d * east, cos_d * north + sin_d * east)
     before = state[at.CORRECTION + 2]
-    _observe(state, P, 2, error, (doubt * params[HEADING_NOISE]) ** 2 / state[at.LENGTH])
+    variance = (doubt * params[HEADING_NOISE]) ** 2 / state[at.LENGTH] + tilt * (up / level) ** 2
+    before = state[at.CORRECTION + 2]
+    _observe(state, P, 2, error, variance)
     state[at.HEADING] -= state[at.CORRECTION + 2] - before
-    _learn_field(state, params, level, up, 1.0 / doubt, rest)
+    _learn_field(state, params, level, up, 1.0 / doubt)
+    if not rest:
+        _consider_field(state, params, P, level, up)
     return at.DISTURBED if doubt > 2.0 else 0.0
 
 
