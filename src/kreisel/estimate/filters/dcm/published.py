@@ -1,4 +1,4 @@
-"""Gyro, accelerometer and magnetometer samples into attitude by the step of Starlino's DCM tutorial, to the letter.
+"""Turns gyro, accelerometer and magnetometer samples into attitude by the DCM tutorial's step, to the letter.
 
 The document calls the axes of its world I (north), J (west) and K (up) and moves them as seen from the body;
 in ENU the rows of R_NS are east = -J, north = I and up = K. Its gyro shows the world turning, w = -omega_NS_S,
@@ -7,7 +7,7 @@ and its accelerometer shows gravity, so that K = +f / abs(f) for a specific forc
 
 import math
 
-from kreisel.estimate.filters.dcm import state as at
+from kreisel.estimate.filters.dcm import layout as at
 from kreisel.estimate.filters.dcm.start import bridge, is_rate, start
 from kreisel.estimate.filters.dcm.vectors import (
     NONE,
@@ -24,15 +24,6 @@ from kreisel.estimate.filters.dcm.vectors import (
     store,
 )
 from kreisel.maths.kernels import inlined, kernel
-
-# Places in the parameter array, after those that every step shares.
-WEIGHT_GYRO = at.COMMON_PARAMETERS
-WEIGHT_ACCEL = WEIGHT_GYRO + 1
-WEIGHT_MAG = WEIGHT_GYRO + 2
-OBSERVED = WEIGHT_GYRO + 3  # 1: a weight counts only around the axes that its sensor observes
-EXACT = WEIGHT_GYRO + 4  # 1: the axes are rotated by Exp(dtheta) instead of moved by dtheta x r
-RATE_HZ = WEIGHT_GYRO + 5  # > 0: the weights are those of this sampling rate; others keep its time constants
-PARAMETERS = WEIGHT_GYRO + 6
 
 
 @inlined
@@ -60,18 +51,18 @@ def _step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector,
     if (waits and start(state, params, accel, mag)) or not dt > 0.0:
         return
     state[at.FLAGS] = state[at.CALM]
-    north, up = load(state, at.R + 3), load(state, at.R + 6)
-    west = scaled(-1.0, load(state, at.R))
+    north, up = load(state, at.R_NS + 3), load(state, at.R_NS + 6)
+    west = scaled(-1.0, load(state, at.R_NS))
     if is_rate(gyro):
         state[at.GAP] = 0.0
         store(state, at.RATE, gyro)
     else:
         gyro = bridge(state, params, dt)
     turn = scaled(-dt, gyro)
-    w_g, w_a, w_m = params[WEIGHT_GYRO], params[WEIGHT_ACCEL], params[WEIGHT_MAG]
-    if params[RATE_HZ] > 0.0:
-        w_a = _at_step(w_a, w_g, dt * params[RATE_HZ])
-        w_m = _at_step(w_m, w_g, dt * params[RATE_HZ])
+    w_g, w_a, w_m = params[at.WEIGHT_GYRO], params[at.WEIGHT_ACCEL], params[at.WEIGHT_MAG]
+    if params[at.RATE_HZ] > 0.0:
+        w_a = _at_step(w_a, w_g, dt * params[at.RATE_HZ])
+        w_m = _at_step(w_m, w_g, dt * params[at.RATE_HZ])
     n_a = norm(accel)
     if n_a == 0.0:
         n_a, w_a, accel = 1.0, 0.0, NONE
@@ -84,32 +75,33 @@ def _step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector,
     # The accelerometer sees rotations across `up`, a magnetometer made horizontal those around it; the
     # document divides by the sum of all weights nevertheless.
     across, around = 1.0 / (w_g + w_a), 1.0 / (w_g + w_m)
-    if params[OBSERVED] == 0.0:
+    if params[at.OBSERVED] == 0.0:
         across = around = 1.0 / (w_g + w_a + w_m)
     dtheta = added(scaled(w_g * across, turn), w_g * (around - across) * dot(turn, up), up)
     # K x (A - K) is K x A; each norm, slow to come, is divided out last.
     dtheta = added(dtheta, w_a * across / n_a, cross(up, accel))
     dtheta = added(dtheta, w_m * around / n_h, cross(north, h))
-    if params[EXACT] == 1.0:
+    if params[at.EXACT] == 1.0:
         north, west = rotated(dtheta, north), rotated(dtheta, west)
     else:
         north, west = added(north, 1.0, cross(dtheta, north)), added(west, 1.0, cross(dtheta, west))
     north, west, up = _orthonormal(north, west)
-    store(state, at.R, scaled(-1.0, west))
-    store(state, at.R + 3, north)
-    store(state, at.R + 6, up)
+    store(state, at.R_NS, scaled(-1.0, west))
+    store(state, at.R_NS + 3, north)
+    store(state, at.R_NS + 6, up)
 
 
 @kernel
-def _update(state: Array, params: Array, gyro: Array, accel: Array, mag: Array, dt: float) -> None:
-    _step(state, params, load(gyro, 0), load(accel, 0), load(mag, 0), dt)
+def update(state: Array, params: Array, sample: Array, dt: float) -> None:
+    """One step, `sample` (9,) being gyro, accel and mag."""
+    _step(state, params, load(sample, 0), load(sample, 3), load(sample, 6), dt)
 
 
 @kernel
-def _batch(
+def batch(
     state: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, answers: Array
 ) -> None:
-    """Step through all samples; answers : (n, at.ANSWER), the head of the state after each."""
+    """All steps; answers (n, at.ANSWER) are the head of the state after each."""
     for k in range(t.size):
         g = gyro[k, 0], gyro[k, 1], gyro[k, 2]
         a = accel[k, 0], accel[k, 1], accel[k, 2]

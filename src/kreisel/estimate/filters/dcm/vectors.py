@@ -1,4 +1,4 @@
-"""Three floats in, three floats out: the vector algebra that the steps of the DCM filter inline."""
+"""Turns tuples of three floats into others: the vector algebra that the steps of the DCM filter inline."""
 
 import math
 
@@ -15,16 +15,19 @@ NONE: Vector = (0.0, 0.0, 0.0)
 
 @inlined
 def cross(a: Vector, b: Vector) -> Vector:
+    """a x b"""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @inlined
 def dot(a: Vector, b: Vector) -> float:
+    """a . b"""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @inlined
 def scaled(k: float, a: Vector) -> Vector:
+    """k a"""
     return k * a[0], k * a[1], k * a[2]
 
 
@@ -92,11 +95,13 @@ def rotated(dtheta: Vector, r: Vector) -> Vector:
 
 @inlined
 def load(a: Array, i: int) -> Vector:
+    """The three numbers at place i."""
     return a[i], a[i + 1], a[i + 2]
 
 
 @inlined
 def store(a: Array, i: int, v: Vector) -> None:
+    """Put `v` at place i."""
     a[i] = v[0]
     a[i + 1] = v[1]
     a[i + 2] = v[2]
