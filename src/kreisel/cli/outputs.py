@@ -30,13 +30,10 @@ def write_simulation(
     """Write IMU data, truth and pictures to `folder`; the lines of a summary that names each file."""
     from kreisel.data.frames import from_enu_flu
 
-    make_folder(folder)
+    check_names([recording.name for recording in recordings])
+    _make_folder(folder)
     lines = []
     for recording in recordings:
-        if recording.name in _TAKEN:
-            raise ValueError(
-                f"an IMU cannot be called {recording.name!r}: a file of that name is written too."
-            )
         path = folder / f"{recording.name}.{_SUFFIX.get(imu_format, imu_format)}"
         write(path, from_enu_flu(recording, world), format=imu_format)
         magnetometer = "" if recording.mag_uT is None else " and magnetometer (uT)"
@@ -57,8 +54,7 @@ def write_simulation(
     return lines
 
 
-def make_folder(folder: Path) -> None:
-    """Make `folder` and those above it; OSError, one sentence, where that cannot be."""
+def _make_folder(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -67,7 +63,14 @@ def make_folder(folder: Path) -> None:
         ) from None
 
 
-_TAKEN = ("truth", "path", "linear", "angular")
+def check_names(imus: Sequence[str]) -> None:
+    """Refuse an IMU whose files would have the names of others."""
+    taken = next((name for name in imus if name in _TAKEN), None)
+    if taken is not None:
+        raise ValueError(f"an IMU cannot be called {taken!r}: a file of that name is written too.")
+
+
+_TAKEN = ("truth", "path", "linear", "angular", "motion")
 
 _SUFFIX = {"euroc-imu": "txt"}
 

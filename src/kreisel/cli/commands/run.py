@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kreisel.cli.outputs import aligned, describe_notes, make_folder, write_simulation
+from kreisel.cli.outputs import aligned, check_names, describe_notes, write_simulation
 from kreisel.files.atomic import replacing
 from kreisel.files.doors import write
 
@@ -50,6 +50,7 @@ def run(args: Namespace) -> int:
             "say where the results go with -o FOLDER, or only check the scenario with --dry-run."
         )
     scenario = Scenario.load(args.scenario)
+    check_names([imu.name for imu in scenario.imus])
     if args.dry_run:
         t = build(scenario).t
         print(f"{args.scenario}: sound; {len(t)} samples from {t[0]:.6g} to {t[-1]:.6g} s, nothing written")
@@ -57,7 +58,6 @@ def run(args: Namespace) -> int:
     from kreisel.study.run import run as run_scenario
 
     folder = Path(args.output)
-    make_folder(folder)
     result = run_scenario(scenario)
     lines = _write(folder, result, pictures=not args.no_pictures)
     print("\n".join(_described(scenario, result)))
