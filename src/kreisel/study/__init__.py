@@ -1,1 +1,1 @@
-"""Closes the loop between what is simulated, estimated and evaluated: scenarios, runs and benchmarks."""
+"""Scenarios in, results out: the one floor that knows truth and estimate, and closes the loop between them."""
