@@ -31,7 +31,7 @@ def write_simulation(
     from kreisel.data.frames import from_enu_flu
 
     check_names([recording.name for recording in recordings])
-    _make_folder(folder)
+    make_folder(folder)
     lines = []
     for recording in recordings:
         path = folder / f"{recording.name}.{_SUFFIX.get(imu_format, imu_format)}"
@@ -54,7 +54,8 @@ def write_simulation(
     return lines
 
 
-def _make_folder(folder: Path) -> None:
+def make_folder(folder: Path) -> None:
+    """Make `folder` and those above it; OSError, one sentence, where that cannot be."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
