@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+import re
+from dataclasses import fields
+from inspect import signature
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from kreisel import discovery
 from kreisel.data.environment import Environment
 from kreisel.data.motion import Mount
 from kreisel.data.trajectory import Poses
@@ -16,7 +20,8 @@ from kreisel.maths.rotations import matrix_from_euler
 from kreisel.simulate.imu import Imu
 from kreisel.simulate.trajectories.functions import FunctionTrajectory
 from kreisel.simulate.trajectories.lissajous import lissajous
-from kreisel.study.building import build, declination, filter_kinds, trajectory_kinds
+from kreisel.simulate.vocabulary import FUNCTIONS
+from kreisel.study.building import TRAJECTORIES, build, declination, filter_kinds, trajectory_kinds
 from kreisel.study.run import run
 from kreisel.study.scenario import EnvironmentRecipe, FilterRecipe, ImuRecipe, Scenario, TrajectoryRecipe
 
@@ -97,6 +102,26 @@ def test_every_kind_of_trajectory_is_offered():
         "rest",
         "rounded_rectangle",
     }
+
+
+@pytest.mark.parametrize("kind", sorted(set(trajectory_kinds()) - {"expressions", "file"}))
+def test_a_kind_runs_with_its_defaults(kind):
+    result = run(Scenario(TrajectoryRecipe(kind), 0.5, 50.0))
+    assert len(result.recordings[0]) == 26
+
+
+DOCS = (Path(__file__).resolve().parents[2] / "docs" / "scenarios.md").read_text(encoding="utf-8")
+
+
+def test_the_docs_have_every_key_kind_and_function():
+    recipes = (Scenario, ImuRecipe, EnvironmentRecipe)
+    keys = {f.name for recipe in recipes for f in fields(recipe)} - {"imus", "filters", "folder"}
+    makers = [
+        getattr(discovery.load(TRAJECTORIES, kind), kind) for kind in set(trajectory_kinds()) - {"file"}
+    ]
+    parameters = {name for make in makers for name in signature(make).parameters}
+    words = {*keys, *parameters, *trajectory_kinds(), *FUNCTIONS}
+    assert [word for word in sorted(words) if not re.search(rf"[`\[]{word}[`(\]]", DOCS)] == []
 
 
 # --- times ---

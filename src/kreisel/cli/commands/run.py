@@ -125,7 +125,7 @@ def _write_estimate(folder: Path, estimate: Estimate) -> list[str]:
     write(folder / f"{stem}.tum", estimate.attitude)
     write(folder / f"{stem}.npz", estimate.attitude)
     return [
-        f"{folder / stem}.tum  attitude of {estimate.imu} by {estimate.filter}, as evo and others read it",
+        f"{folder / stem}.tum  attitude of {estimate.imu} by filter {estimate.filter!r}, as evo and others read it",
         f"{folder / stem}.npz  the same with bias and flags, for numpy.load",
     ]
 
