@@ -21,7 +21,7 @@ from kreisel.simulate.imu import Imu
 from kreisel.simulate.trajectories.functions import FunctionTrajectory
 from kreisel.simulate.trajectories.lissajous import lissajous
 from kreisel.simulate.vocabulary import FUNCTIONS
-from kreisel.study.building import TRAJECTORIES, build, declination, filter_kinds, trajectory_kinds
+from kreisel.study.building import TRAJECTORIES, build, declination, trajectory_kinds
 from kreisel.study.run import run
 from kreisel.study.scenario import EnvironmentRecipe, FilterRecipe, ImuRecipe, Scenario, TrajectoryRecipe
 
@@ -188,10 +188,6 @@ def test_declination_is_that_of_the_field_unless_it_is_said():
     )
 
 
-needs_dcm = pytest.mark.skipif("dcm" not in filter_kinds(), reason="the filter dcm is not there")
-
-
-@needs_dcm
 def test_filters_are_told_the_declination_and_find_the_heading():
     """A body that turns slowly on the spot: the field is east of north, and the heading true north's."""
     turning = TrajectoryRecipe("expressions", {"position": [0, 0, 0], "orientation": [0, 0, "0.2*t"]})
@@ -209,7 +205,6 @@ def test_filters_are_told_the_declination_and_find_the_heading():
     assert untold.summary.heading_rmse_deg == pytest.approx(np.rad2deg(np.arctan2(5.0, 20.0)), abs=0.01)
 
 
-@needs_dcm
 @pytest.mark.parametrize(
     ("line", "message"),
     [
@@ -234,7 +229,6 @@ def test_tuning_is_checked_against_the_filter(line, message):
     assert str(caught.value) == message
 
 
-@needs_dcm
 def test_nested_tuning_survives_the_file():
     recipe = FilterRecipe("dcm", {"published": {"weight_accel": 0.02}}, "published")
     scenario = Scenario(CIRCLE, 1.0, 100.0, filters=(recipe,))
