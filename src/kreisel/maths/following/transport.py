@@ -13,12 +13,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.maths.follow import BLOCK, Followed, Joints, follow
-from kreisel.maths.heading import Span
-from kreisel.maths.joints import RATE, TURN
-from kreisel.maths.kernels import argument, kernel
-from kreisel.maths.rolling import Cells, cells
-from kreisel.maths.tangent import (
+from kreisel.maths.following.exact import BLOCK, Followed, Joints, follow
+from kreisel.maths.following.heading import Span
+from kreisel.maths.following.joints import RATE, TURN
+from kreisel.maths.following.rolling import Cells, cells
+from kreisel.maths.following.tangent import (
     AFTER,
     BEFORE,
     DERIVATIVES,
@@ -30,6 +29,7 @@ from kreisel.maths.tangent import (
     leading_series,
     unfilled,
 )
+from kreisel.maths.kernels import argument, kernel
 
 Integers = npt.NDArray[np.integer]
 

@@ -4,8 +4,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from kreisel.maths.jets import differentiate
-from kreisel.maths.tangent import (
+from kreisel.maths.following.tangent import (
     AFTER,
     BEFORE,
     DERIVATIVES,
@@ -14,6 +13,7 @@ from kreisel.maths.tangent import (
     limits,
     tangent_motion,
 )
+from kreisel.maths.jets import differentiate
 from tests.truth import truth
 
 Array = npt.NDArray[np.float64]

@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.maths.heading import Span
-from kreisel.maths.joints import brackets, suspects
-from kreisel.maths.tangent import (
+from kreisel.maths.following.heading import Span
+from kreisel.maths.following.joints import brackets, suspects
+from kreisel.maths.following.tangent import (
     AFTER,
     BEFORE,
     DERIVATIVES,

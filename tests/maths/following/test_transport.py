@@ -7,9 +7,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from kreisel.maths.following.tangent import Path
+from kreisel.maths.following.transport import follow_without_twist
 from kreisel.maths.jets import differentiate
-from kreisel.maths.tangent import Path
-from kreisel.maths.transport import follow_without_twist
 
 Array = npt.NDArray[np.float64]
 Function = Callable[[Array], Array]

@@ -6,9 +6,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from kreisel.maths.follow import Followed, follow
+from kreisel.maths.following.exact import Followed, follow
+from kreisel.maths.following.tangent import Path
 from kreisel.maths.jets import differentiate
-from kreisel.maths.tangent import Path
 
 Array = npt.NDArray[np.float64]
 Function = Callable[[Array], Array]
