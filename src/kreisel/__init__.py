@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from kreisel.simulate.imu import Imu as Imu
     from kreisel.simulate.trajectories.circle import circle as circle
     from kreisel.simulate.trajectories.coning import coning as coning
+    from kreisel.simulate.trajectories.expressions import expressions as expressions
     from kreisel.simulate.trajectories.functions import FunctionTrajectory as FunctionTrajectory
     from kreisel.simulate.trajectories.helix import helix as helix
     from kreisel.simulate.trajectories.line import line as line
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
     from kreisel.simulate.trajectories.rest import rest as rest
     from kreisel.simulate.trajectories.rounded_rectangle import rounded_rectangle as rounded_rectangle
     from kreisel.simulate.trajectories.sampled import SampledTrajectory as SampledTrajectory
+    from kreisel.study.scenario import Scenario as Scenario
 
 __version__ = "0.1.0"
 
@@ -69,6 +71,7 @@ _HOMES = {
     "Note": "kreisel.data.motion",
     "Poses": "kreisel.data.trajectory",
     "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
+    "Scenario": "kreisel.study.scenario",
     "Trajectory": "kreisel.data.trajectory",
     "Trial": "kreisel.data.trial",
     "attitude_errors": "kreisel.evaluate.attitude_errors",
@@ -76,6 +79,7 @@ _HOMES = {
     "write": "kreisel.files.doors",
     "circle": "kreisel.simulate.trajectories.circle",
     "coning": "kreisel.simulate.trajectories.coning",
+    "expressions": "kreisel.simulate.trajectories.expressions",
     "figure_eight": "kreisel.simulate.trajectories.lying_eight",
     "helix": "kreisel.simulate.trajectories.helix",
     "line": "kreisel.simulate.trajectories.line",
