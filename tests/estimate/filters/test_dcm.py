@@ -38,12 +38,10 @@ def test_ten_turns_come_back() -> None:
     assert angles_deg(relative, truth[-1] @ truth[0].T)[0] < 0.01
 
 
-@pytest.mark.parametrize("ramp", [0.01, 0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0])
+@pytest.mark.parametrize("ramp", [0.01, 0.1, 0.5, 1.0, 2.0, 5.0, 10.0])
 @pytest.mark.parametrize("rate_deg", [10.0, 36.0, 360.0])
 def test_ten_turns_after_rest_come_back(ramp: float, rate_deg: float) -> None:
     # A bias of 2e-4 deg/s, learned from the first moments of the motion, would miss this in 100 s.
-    if ramp > 3600.0 / rate_deg:
-        pytest.skip("the ramp is longer than the turns")
     recording, truth = spun(3.0, ramp, rate_deg)
     history = run(DcmFilter(mode="6"), recording)
     assert history.rest is not None and history.rest[290]
