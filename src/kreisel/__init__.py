@@ -36,6 +36,9 @@ if TYPE_CHECKING:
     from kreisel.data.trajectory import Poses as Poses
     from kreisel.data.trajectory import Trajectory as Trajectory
     from kreisel.data.trial import Trial as Trial
+    from kreisel.estimate.filters.dcm import DcmFilter as DcmFilter
+    from kreisel.estimate.run import Stream as Stream
+    from kreisel.estimate.run import run as run
     from kreisel.evaluate.attitude_errors import AttitudeErrors as AttitudeErrors
     from kreisel.evaluate.attitude_errors import attitude_errors as attitude_errors
     from kreisel.files.doors import read as read
@@ -62,6 +65,7 @@ _HOMES = {
     "AttitudeErrors": "kreisel.evaluate.attitude_errors",
     "AttitudeHistory": "kreisel.data.attitude",
     "Reference": "kreisel.data.attitude",
+    "DcmFilter": "kreisel.estimate.filters.dcm",
     "Environment": "kreisel.data.environment",
     "FunctionTrajectory": "kreisel.simulate.trajectories.functions",
     "Imu": "kreisel.simulate.imu",
@@ -72,9 +76,11 @@ _HOMES = {
     "Poses": "kreisel.data.trajectory",
     "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
     "Scenario": "kreisel.study.scenario",
+    "Stream": "kreisel.estimate.run",
     "Trajectory": "kreisel.data.trajectory",
     "Trial": "kreisel.data.trial",
     "attitude_errors": "kreisel.evaluate.attitude_errors",
+    "run": "kreisel.estimate.run",
     "read": "kreisel.files.doors",
     "write": "kreisel.files.doors",
     "circle": "kreisel.simulate.trajectories.circle",
