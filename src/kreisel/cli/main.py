@@ -26,6 +26,7 @@ try it:
   kreisel demo                            the whole loop on a built-in path
   kreisel info poses.csv                  what is in a file
   kreisel simulate poses.csv -o out/      IMU data of your own path
+  kreisel run scenario.toml -o out/       a whole study from one file
   kreisel evaluate truth.csv att.csv      errors of an estimated attitude
 """
 

@@ -16,7 +16,7 @@ _MISSING_NOISE = 1.0
 @kernel
 def propagate(state: Array, params: Array, P: Array) -> None:
     """P <- F P F^T + Q over the window; only attitude and velocity have rows in F that are not trivial."""
-    n, turn = at.ERRORS, at.TURN
+    n, turn = P.shape[0], at.TURN
     # True gravity rather than the force that was seen: an answer that stands on its head must not find itself
     # at rest there. Velocity first, for it grows with the tilt that was there at the beginning.
     g = GRAVITY * state[at.ACCEL_TIME]
@@ -57,9 +57,10 @@ def _add_noise(state: Array, params: Array, P: Array) -> None:
 @kernel
 def observe(state: Array, P: Array, i: int, error: float, variance: float) -> None:
     """Take in that error i is `error`, known to `variance`; what follows for all is added to CORRECTION."""
-    n = at.ERRORS
+    n = P.shape[0]
     x, column = state[at.CORRECTION : at.CORRECTION + n], state[at.COLUMN : at.COLUMN + n]
-    column[:] = P[i]
+    for a in range(n):
+        column[a] = P[i, a]
     k = 1.0 / (column[i] + variance)
     innovation = k * (error - x[i])
     for a in range(n):

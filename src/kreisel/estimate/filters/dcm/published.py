@@ -33,15 +33,15 @@ def _at_step(weight: float, own: float, periods: float) -> float:
 
 
 @inlined
-def _orthonormal(north: Vector, west: Vector) -> tuple[Vector, Vector, Vector]:
-    """Both corrected by half of what they lack to a right angle, made unit vectors, and up = north x west."""
-    nn, ww, nw = dot(north, north), dot(west, west), dot(north, west)
-    half = 0.5 * nw
+def _orthonormal(east: Vector, north: Vector) -> tuple[Vector, Vector, Vector]:
+    """Both corrected by half of what they lack to a right angle, made unit vectors, and up = east x north."""
+    ee, nn, half = dot(east, east), dot(north, north), 0.5 * dot(east, north)
     # The norms of the corrected vectors from these three products: they need not wait for the vectors.
-    k_n = inverse_root_near_one(nn - half * (2.0 * nw - half * ww))
-    k_w = inverse_root_near_one(ww - half * (2.0 * nw - half * nn))
-    n, w = added(north, -half, west), added(west, -half, north)
-    return scaled(k_n, n), scaled(k_w, w), scaled(k_n * k_w, cross(n, w))
+    half2 = half * half
+    k_e = inverse_root_near_one(ee - half2 * (4.0 - nn))
+    k_n = inverse_root_near_one(nn - half2 * (4.0 - ee))
+    e, n = added(east, -half, north), added(north, -half, east)
+    return scaled(k_e, e), scaled(k_n, n), scaled(k_e * k_n, cross(e, n))
 
 
 @inlined
@@ -51,8 +51,8 @@ def _step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector,
     if (waits and start(state, params, accel, mag)) or not dt > 0.0:
         return
     state[at.FLAGS] = state[at.CALM]
-    north, up = load(state, at.R_NS + 3), load(state, at.R_NS + 6)
-    west = scaled(-1.0, load(state, at.R_NS))
+    # East is -J: what moves or corrects J does the same to it.
+    east, north, up = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
     if is_rate(gyro):
         state[at.GAP] = 0.0
         store(state, at.RATE, gyro)
@@ -82,11 +82,11 @@ def _step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector,
     dtheta = added(dtheta, w_a * across / n_a, cross(up, accel))
     dtheta = added(dtheta, w_m * around / n_h, cross(north, h))
     if params[at.EXACT] == 1.0:
-        north, west = rotated(dtheta, north), rotated(dtheta, west)
+        east, north = rotated(dtheta, east), rotated(dtheta, north)
     else:
-        north, west = added(north, 1.0, cross(dtheta, north)), added(west, 1.0, cross(dtheta, west))
-    north, west, up = _orthonormal(north, west)
-    store(state, at.R_NS, scaled(-1.0, west))
+        east, north = added(east, 1.0, cross(dtheta, east)), added(north, 1.0, cross(dtheta, north))
+    east, north, up = _orthonormal(east, north)
+    store(state, at.R_NS, east)
     store(state, at.R_NS + 3, north)
     store(state, at.R_NS + 6, up)
 
