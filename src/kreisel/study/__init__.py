@@ -1,0 +1,1 @@
+"""Closes the loop between simulation, estimation and evaluation."""
