@@ -1,0 +1,1 @@
+"""Scenarios in, results out: the one floor that knows truth and estimate, and closes the loop between them."""
