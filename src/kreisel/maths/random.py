@@ -52,20 +52,20 @@ class Stream:
     key_1: int  # 32 bits
     high: int  # 32 bits, highest word of every counter
 
-    def normals(self, first: int, count: int, channels: int = 3) -> Array:
-        """Standard normal numbers (count, channels) of samples first, first + 1, ...
+    def normals(self, first: int, count: int, channels: int = 3, channel: int = 0) -> Array:
+        """Standard normal numbers (count, channels) of samples first, first + 1, ... from `channel` on.
 
         Box-Muller on 53-bit uniforms: samples 2 k and 2 k + 1 of a channel are made from one Philox block.
         No number exceeds 8.57.
         """
         out = np.empty((count, channels))
-        _normals(self._words(first), 0, out)
+        _normals(self._words(first), channel, out)
         return out
 
-    def uniforms(self, first: int, count: int, channels: int = 3) -> Array:
+    def uniforms(self, first: int, count: int, channels: int = 3, channel: int = 0) -> Array:
         """Uniform numbers (count, channels) in [0, 1), multiples of 2^-53, independent of the normals."""
         out = np.empty((count, channels))
-        _uniforms(self._words(first), UNIFORM_CHANNELS, out)
+        _uniforms(self._words(first), UNIFORM_CHANNELS + channel, out)
         return out
 
     def _words(self, first: int) -> Words:
@@ -80,6 +80,15 @@ def stream(seed: int, run: int, sensor: str, effect: str) -> Stream:
     digest = blake2b(repr((int(seed), int(run), sensor, effect)).encode(), digest_size=12).digest()
     words = [int.from_bytes(digest[k : k + 4], "little") for k in (0, 4, 8)]
     return Stream(*words)
+
+
+def seed_from(rng: int | np.random.Generator) -> int:
+    """`rng` itself when it is a seed, or one draw from it when it is a generator."""
+    if isinstance(rng, np.random.Generator):
+        return int(rng.integers(2**63))
+    if isinstance(rng, int | np.integer) and rng >= 0:
+        return int(rng)
+    raise TypeError(f"rng must be a seed, 0 or more, or a numpy.random.Generator; got {rng!r}.")
 
 
 @kernel
