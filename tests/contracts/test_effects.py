@@ -24,6 +24,7 @@ from kreisel.simulate.trajectories.rest import rest
 
 PACKAGE = "kreisel.simulate.effects"
 EFFECTS = discovery.names(PACKAGE)
+NOISES = [name for name in EFFECTS if hasattr(discovery.load(PACKAGE, name).example(), "allan_deviation")]
 SURROUNDINGS = Environment(field_N_uT=np.array([1.0, 20.0, -44.0]))
 WARMING = TemperatureHistory(np.array([0.0, 10_000.0]), np.array([15.0, 400.0]))
 
@@ -128,10 +129,9 @@ def test_inputs_are_left_as_they_are(plugin: ModuleType, rng: np.random.Generato
     assert [x.tobytes() for x in (block, context.t, context.dt, context.specific_force)] == before
 
 
+@pytest.mark.parametrize("plugin", sorted(set(EFFECTS) - set(NOISES)), indirect=True)
 def test_what_is_no_noise_does_not_depend_on_the_rate(plugin: ModuleType, rng: np.random.Generator) -> None:
     effect, seed = plugin.example(), seed_of(rng)
-    if hasattr(effect, "allan_deviation"):
-        return  # the next test is about those
     slow = run(effect, moving(200.0, 2000), seed).reading
     fast = run(effect, moving(400.0, 4000), seed).reading[::2]
     # Exact but for the low-pass, whose input runs straight between samples: (2 pi 0.9 Hz / 200 Hz)^2 / 8.
@@ -139,13 +139,12 @@ def test_what_is_no_noise_does_not_depend_on_the_rate(plugin: ModuleType, rng: n
 
 
 @pytest.mark.parametrize("rate", [25.0, 100.0])
+@pytest.mark.parametrize("plugin", NOISES, indirect=True)
 def test_allan_deviation_is_the_one_promised(
     plugin: ModuleType, rate: float, rng: np.random.Generator
 ) -> None:
     """At averaging times of many samples, and a few hundred times shorter than the recording."""
     effect = plugin.example()
-    if not hasattr(effect, "allan_deviation"):
-        return
     motion = rest().sample(np.arange(int(3000 * rate)) / rate)
     error = run(effect, motion, seed_of(rng)).errors[effect.name]
     tau = np.array([0.4, 1.6, 6.4])

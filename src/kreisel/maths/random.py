@@ -7,6 +7,7 @@ square root, which IEEE 754 defines to the last bit: the numbers are the same on
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from hashlib import blake2b
 
@@ -14,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel.maths.kernels import kernel
-from kreisel.maths.sincos import sincos
+from kreisel.maths.sincos import C0, C1, C2, C3, C4, C5, S0, S1, S2, S3, S4, S5
 
 Array = npt.NDArray[np.float64]
 Words = npt.NDArray[np.uint64]
@@ -25,14 +26,18 @@ MULTIPLIER_0, MULTIPLIER_1 = np.uint64(0xD2511F53), np.uint64(0xCD9E8D57)
 KEY_STEP_0, KEY_STEP_1 = np.uint64(0x9E3779B9), np.uint64(0xBB67AE85)
 
 LOW_WORD, WORD = np.uint64(0xFFFFFFFF), np.uint64(32)
-ONE, TWO = np.uint64(1), np.uint64(2)
+ZERO, ONE, TWO = np.uint64(0), np.uint64(1), np.uint64(2)
 
-# 53 random bits are 32 of one word and the upper 21 of the next.
-UPPER_SHIFT, LOWER_SHIFT, SPACING = np.uint64(21), np.uint64(11), 2.0**-53
+SPARE, SPACING = np.uint64(11), 2.0**-53
+"""Of 64 random bits the lowest 11 are spared: 53 fit a float64."""
+
+# Of those 53 bits, two are the quadrant of an angle (the bits 63 and 62 of the integer) and 51 the angle in it.
+SIGN, QUADRANT, ANGLE = np.uint64(63), np.uint64(62), np.uint64(2**51 - 1)
+HALF_ANGLE, ANGLE_STEP = 2.0**50, math.pi * 2.0**-52
 
 MANTISSA, EXPONENT_OF_ONE, EXPONENT_SHIFT = np.uint64(2**52 - 1), np.uint64(1023 << 52), np.uint64(52)
 LN2_HIGH, LN2_LOW = float.fromhex("0x1.62e42fee00000p-1"), 1.9082149292705877e-10
-SQRT2, TWO_PI = 1.4142135623730951, 6.283185307179586
+SQRT2 = 1.4142135623730951
 
 PAIRS = 512
 """Pairs of numbers made at a time: the scratch of one chunk fits the first-level cache."""
@@ -92,48 +97,34 @@ def seed_from(rng: int | np.random.Generator) -> int:
 
 
 @kernel
-def philox(c0: Words, c1: Words, c2: Words, c3: Words, k0: int, k1: int) -> None:
-    """Philox4x32-10 in place: counters (n,) become random words; all are uint64 below 2^32, as is the key."""
-    for _ in range(5):
-        _two_rounds(c0, c1, c2, c3, k0, k1)
-        k0, k1 = (k0 + TWO * KEY_STEP_0) & LOW_WORD, (k1 + TWO * KEY_STEP_1) & LOW_WORD
+def philox(words: Words, pair: int, channel: int, a: Words, b: Words) -> None:
+    """Philox4x32-10: two 64-bit integers a[k], b[k] for each counter (pair + k, channel, words[2]).
 
-
-@kernel
-def _two_rounds(c0: Words, c1: Words, c2: Words, c3: Words, k0: int, k1: int) -> None:
-    # The masks tell the compiler that the products are of 32-bit words, for which there is a SIMD instruction.
-    k2, k3 = (k0 + KEY_STEP_0) & LOW_WORD, (k1 + KEY_STEP_1) & LOW_WORD
-    for k in range(c0.shape[0]):
-        p, q = MULTIPLIER_0 * (c0[k] & LOW_WORD), MULTIPLIER_1 * (c2[k] & LOW_WORD)
-        a, b = (q >> WORD) ^ c1[k] ^ k0, (p >> WORD) ^ c3[k] ^ k1
-        r, s = MULTIPLIER_0 * (a & LOW_WORD), MULTIPLIER_1 * (b & LOW_WORD)
-        c0[k], c1[k] = (s >> WORD) ^ (q & LOW_WORD) ^ k2, s & LOW_WORD
-        c2[k], c3[k] = (r >> WORD) ^ (p & LOW_WORD) ^ k3, r & LOW_WORD
-
-
-@kernel
-def _integers(words: Words, pair: int, channel: int, a: Words, b: Words, c: Words, d: Words) -> None:
-    """Fill a and b with 53-bit integers of the pairs `pair`, `pair` + 1, ... of one channel."""
+    words: key, key and highest word of the counter; its two lowest words are pair + k. All are uint64.
+    """
+    k0, k1, high = words[0] & LOW_WORD, words[1] & LOW_WORD, words[2]
     for k in range(a.shape[0]):
         index = pair + np.uint64(k)
-        a[k], b[k], c[k], d[k] = index & LOW_WORD, index >> WORD, channel, words[2]
-    philox(a, b, c, d, words[0], words[1])
-    for k in range(a.shape[0]):
-        a[k] = (a[k] << UPPER_SHIFT) | (b[k] >> LOWER_SHIFT)
-        b[k] = (c[k] << UPPER_SHIFT) | (d[k] >> LOWER_SHIFT)
+        w0, w1, w2, w3 = index & LOW_WORD, index >> WORD, channel & LOW_WORD, high
+        x, y = k0, k1
+        for _ in range(10):
+            # The masks tell the compiler that both factors have 32 bits, for which there is a SIMD product.
+            p, q = MULTIPLIER_0 * (w0 & LOW_WORD), MULTIPLIER_1 * (w2 & LOW_WORD)
+            w0, w1, w2, w3 = (q >> WORD) ^ w1 ^ x, q & LOW_WORD, (p >> WORD) ^ w3 ^ y, p & LOW_WORD
+            x, y = (x + KEY_STEP_0) & LOW_WORD, (y + KEY_STEP_1) & LOW_WORD
+        a[k], b[k] = (w0 << WORD) | w1, (w2 << WORD) | w3
 
 
 @kernel
 def _radius(x: Words, scratch: Words, out: Array) -> None:
-    """out = sqrt(-2 ln u) for u = (x + 1) 2^-53, which is in (0, 1]; the logarithm errs by 2 ulp at most.
+    """out = sqrt(-2 ln u) for u = (x + 1) 2^-53 in (0, 1], x the upper 53 bits of each integer, which is lost.
 
     u = 2^e m with m in [sqrt(1/2), sqrt 2]; ln m = 2 artanh s, s = (m - 1) / (m + 1), by its series, whose
     first neglected term is below 1e-17 of the first.
     """
-    u, m = out, scratch.view(np.float64)
-    bits = u.view(np.uint64)
+    m, bits = scratch.view(np.float64), out.view(np.uint64)
     for k in range(x.shape[0]):
-        u[k] = np.float64(x[k] + ONE)
+        out[k] = np.float64((x[k] >> SPARE) + ONE)
     for k in range(x.shape[0]):
         scratch[k] = (bits[k] & MANTISSA) | EXPONENT_OF_ONE
         x[k] = bits[k] >> EXPONENT_SHIFT
@@ -150,42 +141,53 @@ def _radius(x: Words, scratch: Words, out: Array) -> None:
 
 
 @kernel
+def _turn(x: Words, radius: Array, cosine: Array, sine: Array) -> None:
+    """Radius times cosine and sine of a uniform angle, from the upper 53 bits of each integer.
+
+    The upper two of them are the quadrant and need no arithmetic; the others are an angle in [-pi/4, pi/4).
+    """
+    cosine_bits, sine_bits = cosine.view(np.uint64), sine.view(np.uint64)
+    for k in range(x.shape[0]):
+        r = (np.float64((x[k] >> SPARE) & ANGLE) - HALF_ANGLE) * ANGLE_STEP
+        z = r * r
+        s = radius[k] * (r + r * z * (S0 + z * (S1 + z * (S2 + z * (S3 + z * (S4 + z * S5))))))
+        c = radius[k] * (1.0 + z * (-0.5 + z * (C0 + z * (C1 + z * (C2 + z * (C3 + z * (C4 + z * C5)))))))
+        odd = (x[k] >> QUADRANT) & ONE
+        cosine[k], sine[k] = (c, s) if odd == ZERO else (s, c)
+    for k in range(x.shape[0]):
+        odd, half = (x[k] >> QUADRANT) & ONE, x[k] >> SIGN
+        cosine_bits[k] ^= (odd ^ half) << SIGN
+        sine_bits[k] ^= half << SIGN
+
+
+@kernel
 def _normals(words: Words, channel: int, out: Array) -> None:
-    a, b = np.empty(PAIRS, np.uint64), np.empty(PAIRS, np.uint64)
-    x, y = np.empty(PAIRS, np.uint64), np.empty(PAIRS, np.uint64)
-    radius, angle, sine, cosine = np.empty(PAIRS), np.empty(PAIRS), np.empty(PAIRS), np.empty(PAIRS)
-    first, count = words[3], np.int64(out.shape[0])
-    skipped = np.int64(first % TWO)
+    a, b, scratch = np.empty(PAIRS, np.uint64), np.empty(PAIRS, np.uint64), np.empty(PAIRS, np.uint64)
+    radius, cosine, sine = np.empty(PAIRS), np.empty(PAIRS), np.empty(PAIRS)
+    pair, skipped = words[3] // TWO, np.int64(words[3] % TWO)
+    pairs = (out.shape[0] + skipped + 1) // 2
     for c in range(out.shape[1]):
-        for start in range(0, (count + skipped + 1) // 2, PAIRS):
-            size = min(PAIRS, (count + skipped + 1) // 2 - start)
-            pair, of = first // TWO + np.uint64(start), np.uint64(channel + c)
-            _integers(words, pair, of, a[:size], b[:size], x[:size], y[:size])
-            _radius(a[:size], x[:size], radius[:size])
-            for k in range(size):
-                angle[k] = np.float64(b[k]) * (TWO_PI * SPACING)
-            sincos(angle[:size], sine[:size], cosine[:size])
-            for k in range(size):
-                cosine[k] *= radius[k]
-                sine[k] *= radius[k]
-            _deal(cosine[:size], sine[:size], 2 * start - skipped, c, out)
+        for start in range(0, pairs, PAIRS):
+            n = min(PAIRS, pairs - start)
+            philox(words, pair + np.uint64(start), np.uint64(channel + c), a[:n], b[:n])
+            _radius(a[:n], scratch[:n], radius[:n])
+            _turn(b[:n], radius[:n], cosine[:n], sine[:n])
+            _deal(cosine[:n], sine[:n], 2 * start - skipped, c, out)
 
 
 @kernel
 def _uniforms(words: Words, channel: int, out: Array) -> None:
     a, b = np.empty(PAIRS, np.uint64), np.empty(PAIRS, np.uint64)
-    x, y = np.empty(PAIRS, np.uint64), np.empty(PAIRS, np.uint64)
     even, odd = np.empty(PAIRS), np.empty(PAIRS)
-    first, count = words[3], np.int64(out.shape[0])
-    skipped = np.int64(first % TWO)
+    pair, skipped = words[3] // TWO, np.int64(words[3] % TWO)
+    pairs = (out.shape[0] + skipped + 1) // 2
     for c in range(out.shape[1]):
-        for start in range(0, (count + skipped + 1) // 2, PAIRS):
-            size = min(PAIRS, (count + skipped + 1) // 2 - start)
-            pair, of = first // TWO + np.uint64(start), np.uint64(channel + c)
-            _integers(words, pair, of, a[:size], b[:size], x[:size], y[:size])
-            for k in range(size):
-                even[k], odd[k] = np.float64(a[k]) * SPACING, np.float64(b[k]) * SPACING
-            _deal(even[:size], odd[:size], 2 * start - skipped, c, out)
+        for start in range(0, pairs, PAIRS):
+            n = min(PAIRS, pairs - start)
+            philox(words, pair + np.uint64(start), np.uint64(channel + c), a[:n], b[:n])
+            for k in range(n):
+                even[k], odd[k] = np.float64(a[k] >> SPARE) * SPACING, np.float64(b[k] >> SPARE) * SPACING
+            _deal(even[:n], odd[:n], 2 * start - skipped, c, out)
 
 
 @kernel
