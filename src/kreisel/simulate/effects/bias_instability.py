@@ -23,7 +23,7 @@ class BiasInstability:
     deviation: B, unit of the sensor, one or per axis. The floor of the Allan deviation is
         sqrt(2 ln 2 / pi) B = 0.664 B: a datasheet that states the floor itself means B = floor / 0.664.
     lowest, highest: Hz. Below the band the density is level, above it falls with 1/f^2; at its ends it is
-        18 % low, and nowhere more than 0.5 % off in its inner part, a decade away from both.
+        14 % low, and nowhere more than 0.5 % off in its inner part, a decade away from both.
 
     A sum of Gauss-Markov processes whose corners f_i lie a factor r <= 4 apart, each of variance
     B^2 ln r / pi, the two outermost r / (r - 1) as much, which is what the corners left out beyond them would
