@@ -67,7 +67,9 @@ def test_normals_are_those_of_a_plain_transcription(pair: int, rng: np.random.Ge
     np.testing.assert_allclose(ours, theirs, rtol=2e-15, atol=2e-15)
 
 
-def test_radii_are_right_where_the_logarithm_is_near_zero_and_where_it_is_large(rng: np.random.Generator) -> None:
+def test_radii_are_right_where_the_logarithm_is_near_zero_and_where_it_is_large(
+    rng: np.random.Generator,
+) -> None:
     s = any_stream(rng)
     ours = s.normals(0, 20_000, 1)[:, 0].reshape(-1, 2)
     u = np.array([plain_uniforms(s, pair, 0)[0] + 1 for pair in range(10_000)]) / 2**53
@@ -118,7 +120,7 @@ def test_the_largest_normal_is_that_of_the_smallest_uniform() -> None:
 
 def test_uniforms_are_even(rng: np.random.Generator) -> None:
     x = any_stream(rng).uniforms(0, 300_000).reshape(-1)
-    assert 0.0 <= x.min() and x.max() < 1.0
+    assert x.min() >= 0.0 and x.max() < 1.0
     assert stats.kstest(x, "uniform").pvalue > 1e-6
 
 

@@ -116,7 +116,10 @@ def test_a_window_collects() -> None:
         (lambda: Clock(jitter=-1.0), "jitter must be one number, 0 or more, s"),
         (lambda: Clock(loss=1.5), "loss must be one number, from 0 to 1, probability; got 1.5"),
         (lambda: Clock(rate_offset=50.0), "rate_offset must be one number, from -0.5 to 0.5, relative"),
-        (lambda: Imu(clock=Clock(jitter=0.003)).record(rest().sample(T), 1), "half the shortest step, 0.0025 s"),
+        (
+            lambda: Imu(clock=Clock(jitter=0.003)).record(rest().sample(T), 1),
+            "half the shortest step, 0.0025 s",
+        ),
         (
             lambda: Imu(clock=Clock(gyro=Sampling(window=0.1))).record(rest().sample(T[:3]), 1),
             "four samples or more; got 3",

@@ -25,7 +25,12 @@ from kreisel.simulate.trajectories.rest import rest
 
 MOTION = lissajous(frequency=0.3).sample(np.arange(6000) / 200.0)
 SURROUNDINGS = Environment(field_N_uT=np.array([1.0, 20.0, -44.0]))
-GYRO = [ScaleFactor(error=0.01), TurnOnBias(sigma=0.01), BiasRandomWalk(density=1e-3), WhiteNoise(density=1e-3)]
+GYRO = [
+    ScaleFactor(error=0.01),
+    TurnOnBias(sigma=0.01),
+    BiasRandomWalk(density=1e-3),
+    WhiteNoise(density=1e-3),
+]
 ACCEL = [GaussMarkov(sigma=0.05, time_constant=3.0), WhiteNoise(density=2e-3)]
 MAG = [TurnOnBias(sigma=1.0), WhiteNoise(density=0.1)]
 ALL: dict[str, Any] = {"gyro_effects": GYRO, "accel_effects": ACCEL, "mag_effects": MAG}
@@ -44,7 +49,10 @@ def bits(recorded: Recorded) -> list[bytes]:
 
 def test_without_errors_it_reads_the_ideal_to_the_bit(rng: np.random.Generator) -> None:
     """All plug-ins at zero, on every sensor that takes them."""
-    zeros = [discovery.load("kreisel.simulate.effects", name).zero() for name in discovery.names("kreisel.simulate.effects")]
+    zeros = [
+        discovery.load("kreisel.simulate.effects", name).zero()
+        for name in discovery.names("kreisel.simulate.effects")
+    ]
     imu = Imu(gyro_effects=zeros, accel_effects=zeros, mag_effects=zeros, environment=SURROUNDINGS)
     recorded, ideal = imu.record(MOTION, seed_of(rng)), imu.ideal(MOTION)
     for sensor in ("gyro", "accel", "mag_uT"):
@@ -89,7 +97,9 @@ def test_switching_one_effect_off_leaves_the_draws_of_the_others_alone(
         # Errors are differences of readings of a few rad/s: round-off, where scale acts on other readings.
         scale = 0.01 * np.abs(with_all.measured.gyro).max() if effect.name == "scale_factor" else 0.0
         np.testing.assert_allclose(
-            without.errors["gyro"][effect.name], with_all.errors["gyro"][effect.name], atol=1e-14 + scale * 1e-12
+            without.errors["gyro"][effect.name],
+            with_all.errors["gyro"][effect.name],
+            atol=1e-14 + scale * 1e-12,
         )
     np.testing.assert_array_equal(without.measured.accel, with_all.measured.accel)
 
@@ -143,7 +153,9 @@ def size_of(recorded: Recorded) -> int:
     )
 
 
-@pytest.mark.parametrize("clock", [Clock(), Clock(mag=Sampling(rate=20.0), accel=Sampling(window=0.01), jitter=1e-4)])
+@pytest.mark.parametrize(
+    "clock", [Clock(), Clock(mag=Sampling(rate=20.0), accel=Sampling(window=0.01), jitter=1e-4)]
+)
 def test_memory_above_the_output(clock: Clock, rng: np.random.Generator) -> None:
     motion = rest().sample(np.arange(100_000) / 200.0)
     imu = Imu(**ALL, environment=SURROUNDINGS, clock=clock)
@@ -158,7 +170,10 @@ def test_memory_above_the_output(clock: Clock, rng: np.random.Generator) -> None
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Imu(gyro_effects=[GYRO[3], GYRO[3]]), "gyro_effects has two effects called 'white_noise'.*name="),
+        (
+            lambda: Imu(gyro_effects=[GYRO[3], GYRO[3]]),
+            "gyro_effects has two effects called 'white_noise'.*name=",
+        ),
         (lambda: Imu(mag_effects=MAG), "mag_effects need a magnetic field"),
         (lambda: Imu().record(MOTION.rows(slice(0, 1)), 1), "two samples or more.*got 1"),
         (
@@ -174,7 +189,10 @@ def test_bad_input(make, message: str) -> None:
 
 
 def test_two_of_a_kind_may_go_by_different_names(rng: np.random.Generator) -> None:
-    effects = [GaussMarkov(sigma=1.0, time_constant=1.0), GaussMarkov(sigma=1.0, time_constant=1.0, name="slow")]
+    effects = [
+        GaussMarkov(sigma=1.0, time_constant=1.0),
+        GaussMarkov(sigma=1.0, time_constant=1.0, name="slow"),
+    ]
     errors = Imu(gyro_effects=effects).record(MOTION, seed_of(rng)).errors["gyro"]
     assert np.abs(errors["gauss_markov"] - errors["slow"]).max() > 0.1
 

@@ -158,9 +158,7 @@ LARGEST = float(np.finfo(np.float64).max)
 """Upper bound of a number that must be finite."""
 
 
-def per_axis(
-    name: str, value: Any, unit: str, lowest: float = -LARGEST, highest: float = LARGEST
-) -> Array:
+def per_axis(name: str, value: Any, unit: str, lowest: float = -LARGEST, highest: float = LARGEST) -> Array:
     """`value`, one number or one per axis, as a read-only array (3,); ValueError outside [lowest, highest]."""
     array = as_array(name, value)
     if array.shape not in ((), (3,)):

@@ -27,7 +27,9 @@ def markov_sum(state: Array, sigma: Array, rate: Array, dt: Array, first: int, w
     x_k = exp(-rate dt) x_(k-1) + sigma sqrt(1 - exp(-2 rate dt)) white_k: exact for any dt.
     """
     out = np.empty((len(dt), 3))
-    _markov_sum(state, argument(sigma.reshape(-1)), argument(rate.reshape(-1)), argument(dt), first, white, out)
+    _markov_sum(
+        state, argument(sigma.reshape(-1)), argument(rate.reshape(-1)), argument(dt), first, white, out
+    )
     return out
 
 

@@ -43,7 +43,9 @@ def sense(
     stream_of: Callable[[str], Stream],
 ) -> Sensed:
     """Send `ideal` (n, 3) through `effects`, block by block; `contexts` are those of all blocks, in order."""
-    sensed = Sensed(np.empty_like(ideal), {e.name: np.zeros_like(ideal) for e in effects}, np.zeros_like(ideal))
+    sensed = Sensed(
+        np.empty_like(ideal), {e.name: np.zeros_like(ideal) for e in effects}, np.zeros_like(ideal)
+    )
     acting = [(effect, stream_of(effect.name)) for effect in effects if not effect.idle]
     states: list[Array] = []
     for context in contexts:

@@ -19,7 +19,7 @@ from kreisel.simulate.effects.vibration_lines import VibrationLines
 from kreisel.simulate.imu import Imu
 from kreisel.simulate.trajectories.lissajous import lissajous
 from kreisel.simulate.trajectories.rest import rest
-from tests.simulate.effects.recordings import FIELD, at_rest, error_at_rest, first_errors
+from tests.simulate.effects.recordings import FIELD, at_rest, error_at_rest
 
 T = np.arange(500) / 100.0
 

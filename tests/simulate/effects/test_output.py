@@ -62,7 +62,9 @@ def test_uneven_steps_give_what_even_ones_give() -> None:
     kinked = lambda time: np.minimum(time, 1.0)
     some = np.sort(np.concatenate([np.array([0.0, 1.0]), t[[3, 4, 50, 120, 121, 300, 400]]]))
     np.testing.assert_allclose(
-        through(effect, some, kinked(some)), through(effect, t, kinked(t))[np.searchsorted(t, some)], atol=1e-13
+        through(effect, some, kinked(some)),
+        through(effect, t, kinked(t))[np.searchsorted(t, some)],
+        atol=1e-13,
     )
 
 
@@ -80,7 +82,9 @@ def test_a_range_ends() -> None:
 
 
 def test_a_range_that_could_not_show_gravity_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"below gravity, 9\.8066 m/s\^2; got \[8\. 8\. 8\.\] m/s\^2.*9\.80665"):
+    with pytest.raises(
+        ValueError, match=r"below gravity, 9\.8066 m/s\^2; got \[8\. 8\. 8\.\] m/s\^2.*9\.80665"
+    ):
         at_rest(Range(limit=8.0), np.arange(5) / 10.0, 1, "accel")
     at_rest(Range(limit=8.0), np.arange(5) / 10.0, 1, "gyro")
     at_rest(Range(limit=STANDARD_GRAVITY), np.arange(5) / 10.0, 1, "accel")

@@ -59,7 +59,10 @@ def test_the_spectrum_is_straight_on_logarithmic_paper(rng: np.random.Generator)
     [
         (lambda: VibrationLines([-1.0], [[0.0] * 3]), "frequency must be positive, Hz"),
         (lambda: VibrationLines([1.0, 2.0], [[0.0] * 3]), r"amplitude must be \(2, 3\)"),
-        (lambda: VibrationLines([1.0], [[0.0, -1.0, 0.0]]), "amplitude must not be negative, unit of the sensor"),
+        (
+            lambda: VibrationLines([1.0], [[0.0, -1.0, 0.0]]),
+            "amplitude must not be negative, unit of the sensor",
+        ),
         (lambda: VibrationNoise([2.0, 1.0], [1.0, 1.0]), "frequency must increase strictly"),
         (lambda: VibrationNoise([1.0, 2.0], [1.0, -1.0]), r"density must be positive .*unit\^2/Hz"),
         (lambda: VibrationNoise([1.0, 2.0], [1.0, 0.0]), "never reaches zero"),

@@ -12,6 +12,7 @@ from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
 
+
 @dataclass(frozen=True, slots=True, eq=False)
 class GSensitivity:
     """Adds sensitivity @ specific force at the mount to a gyro.

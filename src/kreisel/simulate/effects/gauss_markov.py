@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
-import numpy as np
-
 from kreisel.data.checks import Array, per_axis
 from kreisel.maths.markov import markov_allan_deviation, markov_state, markov_sum
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GaussMarkov:

@@ -12,6 +12,7 @@ from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
 
+
 @dataclass(frozen=True, slots=True, eq=False)
 class HardSoftIron:
     """soft_iron @ field + hard_iron_uT: iron near the sensor bends the field, magnets add their own.

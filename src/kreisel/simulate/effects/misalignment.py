@@ -13,6 +13,7 @@ from kreisel.maths.random import Stream
 from kreisel.maths.rotations import exp_so3
 from kreisel.simulate.context import Context
 
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Misalignment:
     """matrix @ reading: the rows of `matrix` (3, 3) are the sensitive axes, in S; see `from_angles`.
@@ -49,6 +50,7 @@ class Misalignment:
     def start(self, context: Context, stream: Stream) -> Array:
         """Nothing to remember."""
         return np.zeros(0)
+
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3) along the sensitive axes."""
         out = np.empty_like(block)

@@ -12,6 +12,7 @@ from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
 
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Nonlinearity:
     """x + quadratic x^2 + cubic x^3 on each axis.
@@ -38,6 +39,7 @@ class Nonlinearity:
     def start(self, context: Context, stream: Stream) -> Array:
         """Nothing to remember."""
         return np.zeros(0)
+
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3), bent."""
         out = np.empty_like(block)

@@ -12,6 +12,7 @@ from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
 
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Quantisation:
     """Readings rounded to the nearest multiple of `step`, ties to even. step: unit of the sensor, one or per axis."""
@@ -31,6 +32,7 @@ class Quantisation:
     def start(self, context: Context, stream: Stream) -> Array:
         """Nothing to remember."""
         return np.zeros(0)
+
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3), rounded."""
         out = np.empty_like(block)

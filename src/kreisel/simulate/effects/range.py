@@ -12,6 +12,7 @@ from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
 
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Range:
     """Readings cut off at -limit and +limit. limit: unit of the sensor, one or per axis; inf has no end."""

@@ -12,6 +12,7 @@ from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
 
+
 @dataclass(frozen=True, slots=True, eq=False)
 class ScaleFactor:
     """Readings times 1 + error; to `error`, the same in every run, comes one draw of deviation `sigma` per run.

@@ -12,6 +12,7 @@ from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
 
+
 @dataclass(frozen=True, slots=True, eq=False)
 class TemperatureScale:
     """Readings times 1 + slope times the temperature above `reference_degC`, which the IMU's history tells.
@@ -39,6 +40,7 @@ class TemperatureScale:
     def start(self, context: Context, stream: Stream) -> Array:
         """Nothing to remember."""
         return np.zeros(0)
+
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3) at the temperature it has."""
         out = np.empty_like(block)

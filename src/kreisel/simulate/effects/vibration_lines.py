@@ -12,6 +12,7 @@ from kreisel.maths.random import Stream
 from kreisel.maths.waves import add_waves
 from kreisel.simulate.context import Context
 
+
 @dataclass(frozen=True, slots=True, eq=False)
 class VibrationLines:
     """Sines of constant amplitude, as engines and rotors make them; every run draws their phases.
