@@ -101,7 +101,12 @@ def test_bad_scenarios_end_in_one_line_and_exit_code_1(change, message, dry, cir
 
 
 def test_somewhere_to_write_is_needed(circle, capsys):
-    assert main(["run", str(circle)]) == 1
-    assert "-o FOLDER" in capsys.readouterr().err
+    with pytest.raises(SystemExit) as stop:
+        main(["run", str(circle)])
+    assert stop.value.code == 2
+    assert "-o/--output" in capsys.readouterr().err
+
+
+def test_a_scenario_that_is_not_there_is_named(capsys):
     assert main(["run", "nowhere.toml", "--dry-run"]) == 1
     assert "cannot read nowhere.toml" in capsys.readouterr().err

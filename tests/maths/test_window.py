@@ -17,7 +17,10 @@ def test_a_cubic_is_averaged_exactly(window: float, rng: np.random.Generator) ->
     t = uneven(rng)
     x = np.stack([0 * t + 2.0, t**2 - t, 0.01 * t**3], axis=1)
     ends = np.sort(rng.uniform(t[0] + window, t[-1], 300))
-    integral = lambda s: np.stack([2.0 * s, s**3 / 3.0 - s**2 / 2.0, 0.0025 * s**4], axis=1)
+
+    def integral(s: np.ndarray) -> np.ndarray:
+        return np.stack([2.0 * s, s**3 / 3.0 - s**2 / 2.0, 0.0025 * s**4], axis=1)
+
     if window:
         expected = (integral(ends) - integral(ends - window)) / window
     else:

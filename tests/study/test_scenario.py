@@ -207,6 +207,7 @@ MISTAKES = [
     (SOUND + "seed = -1\n" + CIRCLE, "s.toml: seed must be a whole number, 0 or more; got -1."),
     (SOUND + "name = 3\n" + CIRCLE, "s.toml: name must be text in quotes; got 3."),
     (SOUND + "start = nan\n" + CIRCLE, "s.toml: start must be a finite number"),
+    (SOUND + "name = 2024-01-01\n" + CIRCLE, "s.toml: name must be text in quotes"),
     ("duration = 1\nduration = 2\n", "s.toml is not TOML"),
     ("kind: circle", "s.toml is not TOML"),
     ("a = " + "[" * 5000, "s.toml"),

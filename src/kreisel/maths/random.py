@@ -97,7 +97,7 @@ def seed_from(rng: int | np.random.Generator) -> int:
 
 
 @kernel
-def philox(words: Words, pair: int, channel: int, a: Words, b: Words) -> None:
+def philox(words: Words, pair: np.uint64, channel: np.uint64, a: Words, b: Words) -> None:
     """Philox4x32-10: two 64-bit integers a[k], b[k] for each counter (pair + k, channel, words[2]).
 
     words: key, key and highest word of the counter; its two lowest words are pair + k. All are uint64.
@@ -191,7 +191,7 @@ def _uniforms(words: Words, channel: int, out: Array) -> None:
 
 
 @kernel
-def _deal(even: Array, odd: Array, row: int, column: int, out: Array) -> None:
+def _deal(even: Array, odd: Array, row: np.int64, column: int, out: Array) -> None:
     """Write the pairs to rows `row`, `row` + 1, ... of one column, leaving out rows that do not exist."""
     inner = min(even.shape[0], (out.shape[0] - row) // 2)
     if row < 0:

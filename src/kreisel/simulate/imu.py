@@ -8,12 +8,15 @@ from functools import partial
 
 import numpy as np
 
+from kreisel.data.checks import read_only
 from kreisel.data.environment import Environment
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.data.temperature import TemperatureHistory
 from kreisel.maths.kinematics import specific_force
 from kreisel.maths.random import Stream, seed_from, stream
+from kreisel.maths.rotations import log_so3
 from kreisel.simulate.chain import BLOCK, Sensed, sense
 from kreisel.simulate.clock import Clock, Rows, steps
 from kreisel.simulate.context import Context
@@ -62,8 +65,34 @@ class Imu:
             accel[rows] = specific_force(at_sensor.a_NB, at_sensor.R_NB, self.environment.g_N)
             if field_N_uT is not None:
                 mag_uT[rows] = field_N_uT @ at_sensor.R_NB  # R_SN field, row by row
-        measured_field = None if field_N_uT is None else mag_uT
-        return ImuRecording(motion.t, gyro, accel, measured_field, motion.t0_ns, self.mount.name)
+        return ImuRecording(
+            t=motion.t,
+            gyro=read_only(gyro),
+            accel=read_only(accel),
+            mag_uT=None if field_N_uT is None else read_only(mag_uT),
+            t0_ns=motion.t0_ns,
+            name=self.mount.name,
+        )
+
+    def increments(self, motion: Motion) -> ImuIncrements:
+        """What a perfect IMU at the mount adds up between the times of `motion`: coning and sculling are in it.
+
+        From attitude, velocity and position at both ends of each interval, not from rates: as exact as these.
+        """
+        at_sensor = motion.at(self.mount)
+        step, g_N = np.diff(motion.t)[:, None], self.environment.g_N
+        p, v, R = at_sensor.p_NB, at_sensor.v_NB, at_sensor.R_NB
+        v_gain = np.diff(v, axis=0) - step * g_N
+        p_gain = np.diff(p, axis=0) - step * v[:-1] - 0.5 * step * step * g_N
+        R_back = np.swapaxes(R[:-1], -1, -2)
+        return ImuIncrements(
+            t=motion.t,
+            dtheta=log_so3(R_back @ R[1:]),
+            dv=np.einsum("nij,nj->ni", R_back, v_gain),
+            dp=np.einsum("nij,nj->ni", R_back, p_gain),
+            t0_ns=motion.t0_ns,
+            name=self.mount.name,
+        )
 
     def record(self, motion: Motion, rng: int | np.random.Generator, run: int = 0) -> Recorded:
         """What this IMU reads at the times of `motion`, with every error it made.
@@ -89,15 +118,18 @@ class Imu:
             each.reading[lost] = np.nan
         return Recorded(
             measured=ImuRecording(
-                t=self.clock.stamps(motion.t, clock_stream),
-                **{sensor: each.reading for sensor, each in sensed.items()},
+                t=read_only(self.clock.stamps(motion.t, clock_stream)),
+                **{sensor: read_only(each.reading) for sensor, each in sensed.items()},
                 t0_ns=motion.t0_ns,
                 name=sensor_name,
             ),
             ideal=ideal,
-            gyro_bias=sensed["gyro"].bias,
-            accel_bias=sensed["accel"].bias,
-            errors={sensor: each.errors for sensor, each in sensed.items()},
+            gyro_bias=read_only(sensed["gyro"].bias),
+            accel_bias=read_only(sensed["accel"].bias),
+            errors={
+                sensor: {name: read_only(added) for name, added in each.errors.items()}
+                for sensor, each in sensed.items()
+            },
             seed=seed,
         )
 

@@ -70,7 +70,7 @@ def call(
     }
     try:
         # As JSON, because there a list may stand for a tuple and yet text never for a number.
-        checked = _model(make, parameters).model_validate_json(json.dumps(table, default=str))
+        checked = _model(make, parameters).model_validate_json(json.dumps(table, default=_named))
     except ValidationError as error:
         _refuse(error.errors(include_url=False), table, parameters, where)
     given = {name: getattr(checked, name) for name in table}
@@ -80,6 +80,11 @@ def call(
         raise ValueError(f"{where}: {error}") from None
     except ArithmeticError as error:
         raise ValueError(f"{where}: its numbers cannot be calculated with ({error}).") from None
+
+
+def _named(value: Any) -> dict[str, str]:
+    """A date, which TOML knows and JSON does not, as something that nobody takes for a text."""
+    return {type(value).__name__: str(value)}
 
 
 def _model(make: Callable[..., Any], parameters: Mapping[str, inspect.Parameter]) -> type[BaseModel]:

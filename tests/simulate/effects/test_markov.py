@@ -50,10 +50,9 @@ def density(effect: BiasInstability, f: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("highest", [1.0, 0.5, 7.3])
 def test_flicker_has_the_density_it_states(highest: float) -> None:
     effect = BiasInstability(deviation=3.0, lowest=1e-4, highest=highest)
-    flat = lambda f: density(effect, f) * 2.0 * np.pi * f / 9.0
-    inner = np.geomspace(1e-3, 0.1 * highest, 200)
-    np.testing.assert_allclose(flat(inner), 1.0, atol=5e-3)
-    np.testing.assert_allclose(flat(np.array([1e-4, highest])), 0.86, atol=0.01)
+    inner, ends = np.geomspace(1e-3, 0.1 * highest, 200), np.array([1e-4, highest])
+    np.testing.assert_allclose(density(effect, inner) * 2.0 * np.pi * inner / 9.0, 1.0, atol=5e-3)
+    np.testing.assert_allclose(density(effect, ends) * 2.0 * np.pi * ends / 9.0, 0.86, atol=0.01)
 
 
 def test_the_floor_of_the_allan_deviation_is_0_664_b() -> None:

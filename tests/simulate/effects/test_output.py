@@ -59,11 +59,10 @@ def test_it_is_exact_for_straight_pieces(cutoff: float, rng: np.random.Generator
 def test_uneven_steps_give_what_even_ones_give() -> None:
     """A straight input with one kink, sampled at different times that all have the kink among them."""
     effect, t = Bandwidth(cutoff=2.0), np.arange(401) / 100.0
-    kinked = lambda time: np.minimum(time, 1.0)
     some = np.sort(np.concatenate([np.array([0.0, 1.0]), t[[3, 4, 50, 120, 121, 300, 400]]]))
     np.testing.assert_allclose(
-        through(effect, some, kinked(some)),
-        through(effect, t, kinked(t))[np.searchsorted(t, some)],
+        through(effect, some, np.minimum(some, 1.0)),
+        through(effect, t, np.minimum(t, 1.0))[np.searchsorted(t, some)],
         atol=1e-13,
     )
 

@@ -33,8 +33,9 @@ docs/scenarios.md explains every key; examples/scenarios/ has files to begin wit
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument("scenario", metavar="SCENARIO", help="TOML file with the scenario")
-    parser.add_argument("-o", "--output", metavar="FOLDER", help="folder for what is made")
-    parser.add_argument("--dry-run", action="store_true", help="check the scenario and write nothing")
+    either = parser.add_mutually_exclusive_group(required=True)
+    either.add_argument("-o", "--output", metavar="FOLDER", help="folder for what is made")
+    either.add_argument("--dry-run", action="store_true", help="check the scenario and write nothing")
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.epilog = _EXAMPLES
 
@@ -45,10 +46,6 @@ def run(args: Namespace) -> int:
     from kreisel.study.scenario import Scenario
 
     started = time.perf_counter()
-    if args.output is None and not args.dry_run:
-        raise ValueError(
-            "say where the results go with -o FOLDER, or only check the scenario with --dry-run."
-        )
     scenario = Scenario.load(args.scenario)
     check_names([imu.name for imu in scenario.imus])
     if args.dry_run:
@@ -125,7 +122,7 @@ def _write_estimate(folder: Path, estimate: Estimate) -> list[str]:
     write(folder / f"{stem}.tum", estimate.attitude)
     write(folder / f"{stem}.npz", estimate.attitude)
     return [
-        f"{folder / stem}.tum  attitude of {estimate.imu} by {estimate.filter}, as evo and others read it",
+        f"{folder / stem}.tum  attitude of {estimate.imu} by filter {estimate.filter!r}, as evo and others read it",
         f"{folder / stem}.npz  the same with bias and flags, for numpy.load",
     ]
 

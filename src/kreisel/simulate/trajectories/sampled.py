@@ -13,6 +13,7 @@ from kreisel.data.checks import (
     choice,
     finite,
     increasing,
+    read_only,
     rotations,
     same_length,
     shaped,
@@ -20,9 +21,10 @@ from kreisel.data.checks import (
 )
 from kreisel.data.motion import Motion, Note
 from kreisel.data.trajectory import Poses
-from kreisel.maths.carried import carried_along
-from kreisel.maths.course import Course, attitude_on, course
 from kreisel.maths.derivatives import SECOND_DERIVATIVE_GAIN, Signal, interpolating_spline, noise_level
+from kreisel.maths.following.carried import carried_along
+from kreisel.maths.following.course import Course, attitude_on, course
+from kreisel.maths.following.tangent import Attitude
 from kreisel.maths.kinematics import quaternion_motion
 from kreisel.maths.rotations import (
     continuous_signs,
@@ -30,7 +32,6 @@ from kreisel.maths.rotations import (
     matrix_from_quat_wxyz,
     quat_wxyz_from_matrix,
 )
-from kreisel.maths.tangent import Attitude
 
 METHODS = ("auto", "spline", "smooth", "gradient")
 
@@ -118,7 +119,8 @@ class SampledTrajectory:
             R, omega, alpha = quaternion_motion(*attitude(times, 2))
             notes = (attitude_note,)
         p, v, a = position(times, 2)
-        return Motion(times, p, v, a, R, omega, alpha, self.t0_ns, self.name, (position_note, *notes))
+        columns = map(read_only, (times, p, v, a, R, omega, alpha))
+        return Motion(*columns, self.t0_ns, self.name, (position_note, *notes))
 
     def _along(self, position: Signal, times: Array) -> tuple[Attitude, tuple[Note, ...]]:
         """Attitude of a body that follows the path, and notes on where its heading jumps."""
