@@ -5,9 +5,8 @@ MATLAB's @(t) becomes lambda t:, and cos and sin come from NumPy. Everything is 
 
 import numpy as np
 
-from kreisel import Imu, Mount
+from kreisel import FunctionTrajectory, Imu, Mount
 from kreisel.show import plot_path, save
-from kreisel.simulate.trajectories.functions import FunctionTrajectory
 
 f = 1.0  # Hz
 s = (

@@ -1,4 +1,4 @@
-"""A rounded rectangle driven at constant speed: no acceleration on the sides, v^2 / r = 6.4 m/s^2 in the corners.
+"""A rounded rectangle at constant speed: no acceleration on the sides, v^2 / r = 6.4 m/s^2 in the corners.
 
 The rate of turn steps by v / r = 8 rad/s wherever a side meets a corner. An IMU off the centre of mass feels
 an impulse there that no sample can carry; the notes of the motion say when.
@@ -6,9 +6,8 @@ an impulse there that no sample can carry; the notes of the motion say when.
 
 import numpy as np
 
-from kreisel import Imu, Mount
+from kreisel import Imu, Mount, rounded_rectangle
 from kreisel.show import plot_imu, save
-from kreisel.simulate.trajectories.rounded_rectangle import rounded_rectangle
 
 course = rounded_rectangle(length=1.0, width=1.0, radius=0.1, speed=0.8)  # m, m, m, m/s
 t = np.arange(0, course.lap, 0.005)  # s, once round

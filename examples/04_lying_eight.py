@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from kreisel import Imu, Mount
+from kreisel import Imu, Mount, lying_eight
 from kreisel.show import plot_path, save
-from kreisel.simulate.trajectories.lying_eight import lying_eight
 
 t = np.arange(0, 2, 0.005)  # s, once round
 motion = lying_eight(period=2.0).sample(t)

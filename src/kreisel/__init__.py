@@ -37,6 +37,9 @@ if TYPE_CHECKING:
     from kreisel.data.trajectory import Poses as Poses
     from kreisel.data.trajectory import Trajectory as Trajectory
     from kreisel.data.trial import Trial as Trial
+    from kreisel.estimate.filters.dcm import DcmFilter as DcmFilter
+    from kreisel.estimate.run import Stream as Stream
+    from kreisel.estimate.run import run as run
     from kreisel.estimate.strapdown import integrate as integrate
     from kreisel.evaluate.attitude_errors import AttitudeErrors as AttitudeErrors
     from kreisel.evaluate.attitude_errors import attitude_errors as attitude_errors
@@ -47,6 +50,7 @@ if TYPE_CHECKING:
     from kreisel.simulate.imu import Imu as Imu
     from kreisel.simulate.trajectories.circle import circle as circle
     from kreisel.simulate.trajectories.coning import coning as coning
+    from kreisel.simulate.trajectories.expressions import expressions as expressions
     from kreisel.simulate.trajectories.functions import FunctionTrajectory as FunctionTrajectory
     from kreisel.simulate.trajectories.helix import helix as helix
     from kreisel.simulate.trajectories.line import line as line
@@ -57,6 +61,7 @@ if TYPE_CHECKING:
     from kreisel.simulate.trajectories.rounded_rectangle import rounded_rectangle as rounded_rectangle
     from kreisel.simulate.trajectories.sampled import SampledTrajectory as SampledTrajectory
     from kreisel.study.round_trip import round_trip as round_trip
+    from kreisel.study.scenario import Scenario as Scenario
 
 __version__ = "0.1.0"
 
@@ -65,6 +70,7 @@ _HOMES = {
     "AttitudeErrors": "kreisel.evaluate.attitude_errors",
     "AttitudeHistory": "kreisel.data.attitude",
     "Reference": "kreisel.data.attitude",
+    "DcmFilter": "kreisel.estimate.filters.dcm",
     "Environment": "kreisel.data.environment",
     "FunctionTrajectory": "kreisel.simulate.trajectories.functions",
     "Imu": "kreisel.simulate.imu",
@@ -76,14 +82,18 @@ _HOMES = {
     "Note": "kreisel.data.motion",
     "Poses": "kreisel.data.trajectory",
     "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
+    "Scenario": "kreisel.study.scenario",
+    "Stream": "kreisel.estimate.run",
     "Trajectory": "kreisel.data.trajectory",
     "Trial": "kreisel.data.trial",
     "attitude_errors": "kreisel.evaluate.attitude_errors",
     "motion_errors": "kreisel.evaluate.motion_errors",
+    "run": "kreisel.estimate.run",
     "read": "kreisel.files.doors",
     "write": "kreisel.files.doors",
     "circle": "kreisel.simulate.trajectories.circle",
     "coning": "kreisel.simulate.trajectories.coning",
+    "expressions": "kreisel.simulate.trajectories.expressions",
     "figure_eight": "kreisel.simulate.trajectories.lying_eight",
     "integrate": "kreisel.estimate.strapdown",
     "helix": "kreisel.simulate.trajectories.helix",

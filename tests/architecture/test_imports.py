@@ -10,7 +10,7 @@ from importlinter.cli import lint_imports
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "src"
-HEAVY = {"matplotlib", "scipy", "numba", "bokeh", "PIL", "pandas", "rosbags", "dask"}
+HEAVY = {"pydantic", "matplotlib", "scipy", "numba", "bokeh", "PIL", "pandas", "rosbags", "dask"}
 
 
 def module_names() -> list[str]:

@@ -181,7 +181,7 @@ def test_method_and_frame_names_are_checked(poses, tmp_path, capsys):
     assert main(["simulate", str(poses), "-o", out, "--frame", "ned"]) == 1
     assert "ned-frd" in capsys.readouterr().err
     assert main(["simulate", str(poses), "-o", out, "--rate", "-5"]) == 1
-    assert "--rate must be a positive number" in capsys.readouterr().err
+    assert "rate must be a positive number" in capsys.readouterr().err
 
 
 def test_the_demo_makes_what_it_says(tmp_path, capsys):

@@ -55,7 +55,30 @@ def recording(rng: np.random.Generator) -> kreisel.ImuRecording:
     return kreisel.ImuRecording(stamps(rng, n), gyro, accel, mag, EPOCH_NS, "held")
 
 
-MAKERS = {kreisel.Poses: poses, kreisel.Motion: motion, kreisel.ImuRecording: recording}
+def attitude(rng: np.random.Generator) -> kreisel.AttitudeHistory:
+    p = poses(rng)
+    bias, a, sigma = rng.normal(size=(3, len(p), 3))
+    bias[:5] = np.nan  # not known yet
+    rest, disturbed, held = rng.integers(0, 2, size=(3, len(p)))
+    return kreisel.AttitudeHistory(
+        p.t, p.R_NB, bias, a, np.abs(sigma), rest, disturbed, held, EPOCH_NS, "held"
+    )
+
+
+def reference(rng: np.random.Generator) -> kreisel.Reference:
+    p = poses(rng)
+    R, counts = p.R_NB.copy(), rng.integers(0, 2, size=len(p))
+    R[3], counts[3] = np.nan, 0  # out of sight
+    return kreisel.Reference(p.t, R, counts, EPOCH_NS, "held")
+
+
+MAKERS = {
+    kreisel.Poses: poses,
+    kreisel.Motion: motion,
+    kreisel.ImuRecording: recording,
+    kreisel.AttitudeHistory: attitude,
+    kreisel.Reference: reference,
+}
 WRITTEN = [name for name in FORMATS if doors.format_named(name).HOLDS]
 HELD = [(name, noun) for name in WRITTEN for noun in doors.format_named(name).HOLDS]
 TIMED = [(name, noun) for name, noun in HELD if "times" not in doors.format_named(name).OPTIONS]
@@ -69,8 +92,9 @@ def read_back(path: Path, name: str) -> Noun:
 
 def columns(data: Noun) -> dict[str, np.ndarray]:
     """The arrays of a noun but for time."""
-    names = ("p_NB", "v_NB", "a_NB", "R_NB", "omega_NB_B", "alpha_NB_B", "gyro", "accel", "mag_uT")
-    return {name: getattr(data, name) for name in names if getattr(data, name, None) is not None}
+    names = [field.name for field in dataclasses.fields(data)]
+    values = {name: getattr(data, name) for name in names if name not in ("t", "t0_ns", "name", "notes")}
+    return {name: value for name, value in values.items() if value is not None}
 
 
 @pytest.mark.parametrize(("name", "noun"), HELD)
@@ -81,7 +105,7 @@ def test_what_is_written_reads_back(name: str, noun: type, tmp_path: Path, rng: 
     assert len(back) == len(data)
     for field, array in columns(back).items():
         # A quaternion holds a matrix to a few roundings; everything else keeps its bits.
-        tolerance = 4e-15 if field == "R_NB" else 0.0
+        tolerance = 4e-15 if field in ("R_NB", "R_NS") else 0.0
         np.testing.assert_allclose(array, getattr(data, field), rtol=0.0, atol=tolerance, err_msg=field)
 
 

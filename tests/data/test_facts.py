@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.environment import STANDARD_GRAVITY as G
 from kreisel.data.facts import clock_of, facts, unit_doubts
 from kreisel.data.recording import ImuRecording
@@ -77,3 +78,33 @@ def test_a_silent_sensor_has_facts_too() -> None:
     what = facts(ImuRecording(T, silent, silent))
     assert what.numbers["missing rows"] == N
     assert what.doubts == ()
+
+
+def spinning(rate: float) -> np.ndarray:
+    return exp_so3(np.outer(rate * T, [0.0, 0.0, 1.0]))
+
+
+def test_attitude_tells_its_rates_and_flags() -> None:
+    rest = np.arange(N) < 30
+    found = facts(AttitudeHistory(T, spinning(2.0), np.full((N, 3), 0.01), rest=rest))
+    assert found.noun == "AttitudeHistory"
+    assert found.holds == ("attitude", "gyro bias", "rest")
+    assert found.numbers["median rate rad/s"] == pytest.approx(2.0)
+    assert found.numbers["largest gyro bias rad/s"] == pytest.approx(0.01 * np.sqrt(3.0))
+    assert found.numbers["rows rest"] == 30.0
+    assert found.doubts == ()
+
+
+def test_a_reference_is_judged_by_the_rows_that_count() -> None:
+    R, counts = spinning(2.0), np.ones(N, dtype=bool)
+    R[50:60], counts[50:60] = np.nan, False
+    found = facts(Reference(T, R, counts))
+    assert found.numbers["rows that count"] == N - 10
+    assert found.numbers["largest rate rad/s"] == pytest.approx(2.0)
+    assert found.numbers["uprightness"] == pytest.approx(1.0)
+
+
+def test_attitude_that_jumps_is_doubted() -> None:
+    R = spinning(0.0)
+    R[100:] = np.diag([-1.0, -1.0, 1.0])
+    assert "jumps at 314.2 rad/s" in facts(AttitudeHistory(T, R)).doubts[0]

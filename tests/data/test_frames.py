@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.environment import STANDARD_GRAVITY as G
 from kreisel.data.frames import WORLDS, from_enu_flu, to_enu_flu
 from kreisel.data.motion import Motion
@@ -106,7 +107,11 @@ def test_there_and_back_is_the_same_to_the_bit(world: str, rng: np.random.Genera
     accel[1] = np.nan
     recording = ImuRecording(T, gyro, accel, mag, t0_ns=7, name="r")
     poses = Poses(T, motion.p_NB, motion.R_NB, motion.v_NB)
-    for data in (motion, recording, poses, Poses(T, motion.p_NB)):
+    sigma = np.abs(motion.p_NB)
+    attitude = AttitudeHistory(T, motion.R_NB, gyro, motion.a_NB, sigma, held=[0, 1, 0, 0])
+    reference = Reference(T, motion.R_NB, [1, 0, 1, 1])
+    bare = (Poses(T, motion.p_NB), AttitudeHistory(T, motion.R_NB))
+    for data in (motion, recording, poses, attitude, reference, *bare):
         for there, back in ((from_enu_flu, to_enu_flu), (to_enu_flu, from_enu_flu)):
             again = back(there(data, world), world)
             for name in type(data).__slots__:
@@ -127,6 +132,22 @@ def test_the_physics_is_the_same_seen_from_any_world(world: str, rng: np.random.
     R_later = from_enu_flu(later, world).R_NB
     assert R_later is not None
     np.testing.assert_allclose(R_later[0], theirs.R_NB[0] @ exp_so3(1e-6 * theirs.omega_NB_B[0]), atol=1e-15)
+
+
+@pytest.mark.parametrize("world", WORLDS)
+def test_attitude_turns_as_the_motion_it_belongs_to(world: str, rng: np.random.Generator) -> None:
+    motion = random_motion(rng)
+    attitude = AttitudeHistory(T, motion.R_NB, gyro_bias=motion.omega_NB_B, a_N=motion.a_NB)
+    ours, theirs = from_enu_flu(attitude, world), from_enu_flu(motion, world)
+    np.testing.assert_array_equal(ours.R_NS, theirs.R_NB)
+    np.testing.assert_array_equal(ours.gyro_bias, theirs.omega_NB_B)
+    np.testing.assert_array_equal(ours.a_N, theirs.a_NB)
+
+
+def test_a_deviation_north_is_one_north_in_any_world() -> None:
+    known = AttitudeHistory(T, resting().R_NB, sigma=np.tile([1.0, 2.0, 3.0], (4, 1)))
+    np.testing.assert_array_equal(from_enu_flu(known, "ned-frd").sigma[0], [2.0, 1.0, 3.0])
+    np.testing.assert_array_equal(from_enu_flu(known, "nwu").sigma[0], [2.0, 1.0, 3.0])
 
 
 def test_an_unknown_world_suggests_a_known_one() -> None:

@@ -6,22 +6,28 @@ Exit codes: 0 done, 1 bad data, 2 usage, 3 a requested limit was missed, 130 int
 from __future__ import annotations
 
 import argparse
-import difflib
 import os
 import re
 import sys
-from collections.abc import Sequence
-from typing import Any, NoReturn
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NoReturn, TextIO
 
 from kreisel import __version__, discovery
 
 COMMANDS = "kreisel.cli.commands"
+
+_PACKAGE = Path(__file__).resolve().parents[1]
 
 _EPILOG = """\
 try it:
   kreisel demo                            the whole loop on a built-in path
   kreisel info poses.csv                  what is in a file
   kreisel simulate poses.csv -o out/      IMU data of your own path
+  kreisel run scenario.toml -o out/       a whole study from one file
+  kreisel evaluate truth.csv att.csv      errors of an estimated attitude
 """
 
 
@@ -34,6 +40,8 @@ class _Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"^-[.\d].*$")
 
     def error(self, message: str) -> NoReturn:
+        import difflib
+
         words = self._words()
         typed = [a for a in sys.argv[1:] if a not in words]
         # A path that happens to resemble an option is no typing mistake: only bare words are compared.
@@ -55,8 +63,8 @@ class _Parser(argparse.ArgumentParser):
         return words
 
 
-def build_parser(only: str | None = None) -> argparse.ArgumentParser:
-    """The command line; with `only`, where it names a command, only that one is imported."""
+def build_parser(command: str | None = None) -> argparse.ArgumentParser:
+    """The command line, ready to run `command`: no other is imported, the help needs none."""
     parser = _Parser(
         prog="kreisel",
         description="From a trajectory to inertial sensor data, and back to attitude.",
@@ -66,9 +74,7 @@ def build_parser(only: str | None = None) -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"kreisel {__version__}")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name in discovery.names(COMMANDS):
-        wanted = only == name or only not in discovery.names(COMMANDS)
-        module = discovery.load(COMMANDS, name) if wanted else None
-        line = module.HELP if module else ""
+        line = discovery.constant(COMMANDS, name, "HELP")
         sub = subparsers.add_parser(
             name,
             help=line,
@@ -76,7 +82,8 @@ def build_parser(only: str | None = None) -> argparse.ArgumentParser:
             formatter_class=argparse.RawDescriptionHelpFormatter,
             allow_abbrev=False,
         )
-        if module:
+        if name == command:
+            module = discovery.load(COMMANDS, name)
             module.configure(sub)
             sub.set_defaults(run=module.run)
     return parser
@@ -88,9 +95,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     if not arguments:
         build_parser().print_help()
         return 2
-    args = build_parser(only=arguments[0]).parse_args(arguments)
+    command = next((word for word in arguments if not word.startswith("-")), None)
+    args = build_parser(command).parse_args(arguments)
     try:
-        code: int = args.run(args)
+        with _notes_in_one_line():
+            code: int = args.run(args)
         sys.stdout.flush()
         return code
     except KeyboardInterrupt:
@@ -104,6 +113,29 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _complain(named, 1)
     except (ValueError, TypeError) as error:
         return _complain(str(error), 1)
+
+
+@contextmanager
+def _notes_in_one_line() -> Iterator[None]:
+    """Inside, a warning of ours is one line on stderr; those of others keep the form they have in Python."""
+    with warnings.catch_warnings():
+        usual = warnings.showwarning
+
+        def show(
+            message: Warning | str,
+            category: type[Warning],
+            filename: str,
+            lineno: int,
+            file: TextIO | None = None,
+            line: str | None = None,
+        ) -> None:
+            if Path(filename).is_relative_to(_PACKAGE):
+                sys.stderr.write("kreisel: note: " + " ".join(str(message).split()) + "\n")
+            else:
+                usual(message, category, filename, lineno, file, line)
+
+        warnings.showwarning = show
+        yield
 
 
 def _complain(text: str, code: int) -> int:

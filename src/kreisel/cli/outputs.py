@@ -11,7 +11,6 @@ import numpy as np
 
 from kreisel.data.motion import Motion, Mount, Note
 from kreisel.files.doors import write
-from kreisel.simulate.imu import Imu
 
 if TYPE_CHECKING:
     from kreisel.data.recording import ImuRecording
@@ -24,6 +23,7 @@ def write_simulation(
     folder: Path,
     motion: Motion,
     mounts: Sequence[Mount],
+    recordings: Sequence[ImuRecording],
     *,
     world: str = "enu-flu",
     imu_format: str = "csv",
@@ -33,18 +33,15 @@ def write_simulation(
     """Write IMU data, truth and pictures to `folder`; the lines of a summary that names each file."""
     from kreisel.data.frames import from_enu_flu
 
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise type(error)(
-            f"cannot make the folder {folder}: {error.strerror}. Choose another with -o."
-        ) from None
-    recordings = [Imu(mount).ideal(motion) for mount in mounts]
+    check_names([recording.name for recording in recordings])
+    make_folder(folder)
     lines = []
     for recording in recordings:
         path = folder / f"{recording.name}.{_SUFFIX.get(imu_format, imu_format)}"
         write(path, from_enu_flu(recording, world), format=imu_format)
-        lines.append(f"{path}  gyroscope (rad/s) and accelerometer (m/s^2), {len(recording)} samples")
+        magnetometer = "" if recording.mag_uT is None else " and magnetometer (uT)"
+        sensors = f"gyroscope (rad/s){',' if magnetometer else ' and'} accelerometer (m/s^2){magnetometer}"
+        lines.append(f"{path}  {sensors}, {len(recording)} samples")
     truth = from_enu_flu(motion, world)
     write(folder / "truth.tum", truth)
     lines.append(f"{folder / 'truth.tum'}  position and attitude of the body, as evo and others read it")
@@ -59,6 +56,25 @@ def write_simulation(
         lines.append(f"{folder / 'motion.gif'}  the body moving along its path, and what it feels")
     return lines
 
+
+def make_folder(folder: Path) -> None:
+    """Make `folder` and those above it; OSError, one sentence, where that cannot be."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise type(error)(
+            f"cannot make the folder {folder}: {error.strerror}. Choose another with -o."
+        ) from None
+
+
+def check_names(imus: Sequence[str]) -> None:
+    """Refuse an IMU whose files would have the names of others."""
+    taken = next((name for name in imus if name in _TAKEN), None)
+    if taken is not None:
+        raise ValueError(f"an IMU cannot be called {taken!r}: a file of that name is written too.")
+
+
+_TAKEN = ("truth", "path", "linear", "angular", "motion")
 
 _SUFFIX = {"euroc-imu": "txt"}
 

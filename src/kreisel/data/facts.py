@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.checks import Array
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
@@ -51,16 +52,21 @@ class Clock:
 class Facts:
     """What a noun holds, its numbers in SI units, and sentences about what looks odd."""
 
-    noun: str  # "Poses", "Motion" or "ImuRecording"
+    noun: str  # name of its type
     clock: Clock
     holds: tuple[str, ...]
     numbers: dict[str, float] = field(default_factory=dict)  # name with unit -> value
     doubts: tuple[str, ...] = ()
 
 
-def facts(data: Poses | Motion | ImuRecording) -> Facts:
+def facts(data: Poses | Motion | ImuRecording | AttitudeHistory | Reference) -> Facts:
     """Facts about `data`; nothing is changed and nothing refused."""
     clock = clock_of(data.t, data.t0_ns)
+    if isinstance(data, AttitudeHistory | Reference):
+        numbers = _attitude_numbers(data)
+        return Facts(
+            type(data).__name__, clock, _attitude_contents(data), numbers, tuple(_jump_doubts(numbers))
+        )
     if isinstance(data, ImuRecording):
         return Facts("ImuRecording", clock, _imu_contents(data), _imu_numbers(data), tuple(unit_doubts(data)))
     contents = ["position"]
@@ -151,14 +157,47 @@ def _pose_numbers(data: Poses | Motion) -> dict[str, float]:
         lengths = np.linalg.norm(np.diff(data.p_NB, axis=0), axis=1)
         numbers["path length m"] = float(lengths.sum())
         numbers["median speed m/s"] = float(np.median(lengths / steps))
-        if data.R_NB is not None:
-            turns = np.swapaxes(data.R_NB[:-1], 1, 2) @ data.R_NB[1:]
-            rates = np.linalg.norm(log_so3(turns), axis=1) / steps
-            numbers["median rate rad/s"] = float(np.median(rates))
-            numbers["largest rate rad/s"] = float(rates.max())
-    if data.R_NB is not None:
-        # Cosine between the body's z axis and N's: 1 is upright in ENU/FLU.
-        numbers["uprightness"] = float(data.R_NB[:, 2, 2].mean())
+    return numbers if data.R_NB is None else numbers | _turning(data.t, data.R_NB)
+
+
+def _turning(t: Array, R: Array) -> dict[str, float]:
+    """Rates between neighbours of R (n, 3, 3) at `t` (n,), and how upright it is."""
+    numbers = {}
+    if len(t) > 1:
+        turns = np.swapaxes(R[:-1], 1, 2) @ R[1:]
+        rates = np.linalg.norm(log_so3(turns), axis=1) / np.diff(t)
+        numbers["median rate rad/s"] = float(np.median(rates))
+        numbers["largest rate rad/s"] = float(rates.max())
+    # Cosine between the body's z axis and N's: 1 is upright in ENU/FLU.
+    numbers["uprightness"] = float(R[:, 2, 2].mean()) if len(t) else float("nan")
+    return numbers
+
+
+def _attitude_contents(data: AttitudeHistory | Reference) -> tuple[str, ...]:
+    if isinstance(data, Reference):
+        return ("attitude", "samples that count")
+    names = {
+        "gyro_bias": "gyro bias",
+        "a_N": "acceleration",
+        "sigma": "uncertainty",
+        "rest": "rest",
+        "disturbed": "magnetic disturbance",
+        "held": "held samples",
+    }
+    return ("attitude", *(text for name, text in names.items() if getattr(data, name) is not None))
+
+
+def _attitude_numbers(data: AttitudeHistory | Reference) -> dict[str, float]:
+    if isinstance(data, Reference):
+        return {"rows that count": float(data.counts.sum())} | _turning(
+            data.t[data.counts], data.R_NS[data.counts]
+        )
+    numbers = _turning(data.t, data.R_NS)
+    for name in ("rest", "disturbed", "held"):
+        if getattr(data, name) is not None:
+            numbers[f"rows {name}"] = float(getattr(data, name).sum())
+    if data.gyro_bias is not None:
+        numbers["largest gyro bias rad/s"] = _largest_norm(data.gyro_bias)
     return numbers
 
 
@@ -168,12 +207,17 @@ def _pose_doubts(data: Poses | Motion, numbers: dict[str, float]) -> list[str]:
         doubts.append(
             f"the median speed is {numbers['median speed m/s']:.4g} m/s: positions in mm, or time in ms?"
         )
-    if numbers.get("largest rate rad/s", 0.0) > 3.0 * _FASTEST_GYRO:
-        doubts.append(
-            f"the attitude jumps at {numbers['largest rate rad/s']:.4g} rad/s: "
-            "wrong order of the quaternion, or a tracker that lost and found its target?"
-        )
-    return doubts
+    return doubts + _jump_doubts(numbers)
+
+
+def _jump_doubts(numbers: dict[str, float]) -> list[str]:
+    fastest = numbers.get("largest rate rad/s", 0.0)
+    if fastest <= 3.0 * _FASTEST_GYRO:
+        return []
+    return [
+        f"the attitude jumps at {fastest:.4g} rad/s: "
+        "wrong order of the quaternion, or a tracker that lost and found its target?"
+    ]
 
 
 def _norms(rows: Array) -> Array:

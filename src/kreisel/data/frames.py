@@ -10,16 +10,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
+from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.checks import Array, choice
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
 
-Data = TypeVar("Data", bound=Poses | Motion | ImuRecording)
+Data = TypeVar("Data", bound=Poses | Motion | ImuRecording | AttitudeHistory | Reference)
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +103,22 @@ def _turned(
             omega_NB_B=body(data.omega_NB_B, -1),
             alpha_NB_B=body(data.alpha_NB_B, -1),
         )
+    if isinstance(data, Reference):
+        return replace(data, R_NS=body(nav(data.R_NS, -2), -1))
+    if isinstance(data, AttitudeHistory):
+        return replace(data, **_attitude_fields(data, nav, body))
     R_NB = None if data.R_NB is None else body(nav(data.R_NB, -2), -1)
     v_NB = None if data.v_NB is None else nav(data.v_NB, -1)
     return replace(data, p_NB=nav(data.p_NB, -1), R_NB=R_NB, v_NB=v_NB)
+
+
+def _attitude_fields(
+    data: AttitudeHistory, nav: Callable[[Array, int], Array], body: Callable[[Array, int], Array]
+) -> dict[str, Any]:
+    return {
+        "R_NS": body(nav(data.R_NS, -2), -1),
+        "gyro_bias": None if data.gyro_bias is None else body(data.gyro_bias, -1),
+        "a_N": None if data.a_N is None else nav(data.a_N, -1),
+        # A deviation has an axis but no sign.
+        "sigma": None if data.sigma is None else np.abs(nav(data.sigma, -1)),
+    }

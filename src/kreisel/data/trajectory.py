@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
+import numpy as np
+
 from kreisel.data.checks import Array, finite, increasing, rotations, same_length, shaped
 from kreisel.data.motion import Motion
 
@@ -47,3 +49,24 @@ class Poses:
 
     def __len__(self) -> int:
         return len(self.t)
+
+
+# 4 GB of motion: whatever asks for more has mistaken a unit.
+_MOST_SAMPLES = 20_000_000
+
+
+def even_times(first: float, last: float, rate_hz: float) -> Array:
+    """Times (n,) s from `first` on at `rate_hz`, up to `last`.
+
+    Raises ValueError for a rate that is not positive, and for more samples than memory holds.
+    """
+    if not 0.0 < rate_hz < 1e7:
+        raise ValueError(f"the rate must be a positive number of hertz; got {rate_hz:g}.")
+    # The allowance is for round-off in a span that is a whole number of steps.
+    steps = np.floor((last - first) * rate_hz + 1e-6)
+    if not steps < _MOST_SAMPLES:
+        raise ValueError(
+            f"{last - first:.6g} s at {rate_hz:.6g} Hz are {steps:.3g} samples; at most {_MOST_SAMPLES:.3g} are made."
+        )
+    # Counted, not accumulated, so that the last step is as long as the first.
+    return np.minimum(first + np.arange(int(steps) + 1) / rate_hz, last)

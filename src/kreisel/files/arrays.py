@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.checks import Array, choice, unit_quaternions
 from kreisel.data.motion import Motion, Note
 from kreisel.data.recording import ImuRecording
@@ -23,15 +24,17 @@ from kreisel.maths.rotations import matrix_from_euler, matrix_from_quat_wxyz
 
 SCHEMA = "kreisel_schema"
 VERSION = 1
-NOUNS: dict[str, type[Noun]] = {"Poses": Poses, "Motion": Motion, "ImuRecording": ImuRecording}
+NOUNS: dict[str, type[Noun]] = {
+    noun.__name__: noun for noun in (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
+}
 
 # What others call our arrays, in the order of preference. s and phi are the names of the source
 # document's MATLAB tool; imu_* those of the BROAD recordings.
 FOREIGN: dict[str, tuple[str, ...]] = {
     "t": ("t", "time", "Time", "timestamps"),
     "p_NB": ("p_NB", "p", "s", "pos", "position", "positions"),
-    "R_NB": ("R_NB",),
-    "quat_wxyz": ("quat_wxyz", "q_NB_wxyz", "quat", "q", "quaternion"),
+    "R_NB": ("R_NB", "R_NS"),
+    "quat_wxyz": ("quat_wxyz", "q_NB_wxyz", "q_NS_wxyz", "quat", "q", "quaternion"),
     "phi": ("phi", "euler"),
     "orientation": ("orientation", "Orientation"),
     "v_NB": ("v_NB", "v", "vel", "velocity"),
@@ -101,16 +104,21 @@ def _foreign(path: Path, arrays: Mapping[str, Any], options: ReadOptions) -> Nou
     imu, poses = "gyro" in found and "accel" in found, "p_NB" in found
     if imu and poses and options.kind is None:
         raise ValueError("has both positions and IMU data. Say which: kind='poses' or kind='imu' (--kind).")
+    attitude = _attitude(found)
+    if attitude is not None and (options.kind == "attitude" or not (imu or poses)):
+        t = _time(found, len(attitude), options)
+        return AttitudeHistory(t, attitude, name=path.stem)
     if not imu and not poses:
         listed = ", ".join(sorted(name for name in arrays if not name.startswith("__"))) or "nothing"
         raise ValueError(
-            f"needs positions (p_NB or s) or an IMU (gyro and accel); it has: {listed}. Rename yours."
+            "needs positions (p_NB or s), attitude (quat_wxyz or R_NS) or an IMU (gyro and accel); "
+            f"it has: {listed}. Rename yours."
         )
     if imu and (options.kind == "imu" or not poses):
         t = _time(found, len(found["gyro"]), options)
         return ImuRecording(t, found["gyro"], found["accel"], found.get("mag_uT"), name=path.stem)
     t = _time(found, len(found["p_NB"]), options)
-    return Poses(t, found["p_NB"], _attitude(found), found.get("v_NB"), name=path.stem)
+    return Poses(t, found["p_NB"], attitude, found.get("v_NB"), name=path.stem)
 
 
 def _rows(name: str, value: Any, width: int | None) -> Array:

@@ -21,6 +21,13 @@ GROUPS: dict[str, tuple[tuple[str, ...], str, str]] = {
     "gyro": (("gyro_x", "gyro_y", "gyro_z"), "rate", "rad/s"),
     "accel": (("accel_x", "accel_y", "accel_z"), "acceleration", "m/s^2"),
     "mag": (("mag_x", "mag_y", "mag_z"), "field", "uT"),
+    "gyro_bias": (("gyro_bias_x", "gyro_bias_y", "gyro_bias_z"), "rate", "rad/s"),
+    # Not plain sigma_x: elsewhere that is the uncertainty of a position.
+    "sigma": (("sigma_dtheta_x", "sigma_dtheta_y", "sigma_dtheta_z"), "angle", "rad"),
+    "rest": (("rest",), "number", ""),
+    "disturbed": (("disturbed",), "number", ""),
+    "held": (("held",), "number", ""),
+    "counts": (("counts",), "number", ""),
 }
 """Group -> its columns, what they measure, and the unit they have where none is given."""
 

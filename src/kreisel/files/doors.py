@@ -13,6 +13,7 @@ from pathlib import Path
 from types import ModuleType
 
 from kreisel import discovery
+from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.checks import choice
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
@@ -27,7 +28,18 @@ KINDS = {
     "poses": "poses",
     "motion": "a complete motion",
     "imu": "an IMU recording",
+    "attitude": "attitude over time",
+    "reference": "a reference attitude",
     "trial": "a trial (an IMU recording and a reference)",
+}
+
+_KIND_OF = {
+    Poses: "poses",
+    Motion: "motion",
+    ImuRecording: "imu",
+    AttitudeHistory: "attitude",
+    Reference: "reference",
+    Trial: "trial",
 }
 
 PathLike = str | os.PathLike[str]
@@ -52,13 +64,15 @@ def read(
     rate_hz: float | None = None,
     times: PathLike | None = None,
 ) -> Content:
-    """What a file holds: Poses, Motion, ImuRecording or Trial, in SI units and the axes of the file.
+    """What a file holds: Poses, Motion, ImuRecording, AttitudeHistory, Reference or Trial.
+
+    SI units, in the axes of the file.
 
     path : the file. Other worlds than ENU/FLU are turned with `to_enu_flu` afterwards.
     format : "broad", "csv", "tum", "euroc", "euroc-imu", "kitti", "mat", "npz"; None to tell by suffix and
         content.
-    kind : "poses", "motion", "imu" or "trial" to insist on one; a motion is taken as poses where poses are
-        asked for, and of a trial the recording where an IMU is.
+    kind : "poses", "motion", "imu", "attitude", "reference" or "trial" to insist on one. A motion is taken
+        as poses, a motion or poses as attitude, and of a trial the recording or the reference.
     columns : for csv, our name -> the file's header, its unit in brackets where the header has none:
         ``{"t": "Time [ms]", "p_x": "X [mm]"}``; "#3" is the third column.
     rate_hz, times : for files without time, the rate in Hz or a file with one stamp in seconds per row.
@@ -81,8 +95,9 @@ def write(path: PathLike, data: Noun, format: str | None = None) -> None:
 
     Raises ValueError where the format cannot hold the data, OSError where the place cannot be written.
     """
-    if not isinstance(data, Poses | Motion | ImuRecording):
-        raise TypeError(f"data must be Poses, Motion or ImuRecording; got {type(data).__name__}.")
+    if not isinstance(data, Noun):
+        nouns = "Poses, Motion, ImuRecording, AttitudeHistory or Reference"
+        raise TypeError(f"data must be {nouns}; got {type(data).__name__}.")
     module = format_named(format) if format else _by_suffix(Path(path))
     if len(data) == 0:
         raise ValueError(f"nothing to write to {path}: the data has no rows.")
@@ -160,11 +175,15 @@ def _check_options(module: ModuleType, options: ReadOptions) -> None:
 
 
 def _as_kind(data: Content, kind: str | None, path: Path) -> Content:
-    have = {Poses: "poses", Motion: "motion", ImuRecording: "imu", Trial: "trial"}[type(data)]
+    have = _KIND_OF[type(data)]
     if kind is None or have == kind:
         return data
+    if isinstance(data, Motion | Poses) and data.R_NB is not None and kind == "attitude":
+        return AttitudeHistory(data.t, data.R_NB, t0_ns=data.t0_ns, name=data.name)
     if isinstance(data, Motion) and kind == "poses":
         return Poses(data.t, data.p_NB, data.R_NB, data.v_NB, data.t0_ns, data.name)
     if isinstance(data, Trial) and kind == "imu":
         return data.recording
+    if isinstance(data, Trial) and kind == "reference":
+        return data.reference
     raise ValueError(f"{path} holds {KINDS[have]}, not {KINDS[kind]}.")

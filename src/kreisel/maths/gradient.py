@@ -24,7 +24,7 @@ from kreisel.maths.sincos import sincos
 Array = npt.NDArray[np.float64]
 Axes = Literal["B", "N"]
 
-# Samples per block of the fused kernel: its scratch (70 kB) stays in the L2 cache.
+# Samples per block of the fused kernel: its scratch (60 kB) stays in the L2 cache.
 BLOCK = 256
 # Row length of the scratch, in which every component is a row of its own: only then do the loops become SIMD.
 ROW = BLOCK + 8

@@ -31,3 +31,13 @@ def argument(x: npt.ArrayLike) -> Array:
     view = np.ascontiguousarray(x, dtype=np.float64).view()
     view.flags.writeable = False
     return view
+
+
+def inlined(function: _F) -> _F:
+    """The same for the small functions of an inner loop, which LLVM is told to dissolve in their callers.
+
+    Left to itself it keeps many of them as calls, each dearer than the sums inside; pass numbers and tuples of
+    numbers rather than arrays, whose reference counts cost more still (a filter step of 60 ns took 260).
+    """
+    compiled = numba.njit(cache=True, fastmath=False, nogil=True, error_model="numpy", forceinline=True)
+    return cast(_F, compiled(function))

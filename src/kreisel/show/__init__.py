@@ -10,6 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from kreisel.show.animation import animate as animate
+    from kreisel.show.attitude import plot_attitude as plot_attitude
+    from kreisel.show.attitude import plot_attitude_errors as plot_attitude_errors
+    from kreisel.show.attitude import plot_bias as plot_bias
+    from kreisel.show.broad import plot_broad as plot_broad
     from kreisel.show.path import plot_path as plot_path
     from kreisel.show.plots import plot_angular as plot_angular
     from kreisel.show.plots import plot_imu as plot_imu
@@ -19,6 +23,10 @@ if TYPE_CHECKING:
 _HOMES = {
     "animate": "kreisel.show.animation",
     "plot_angular": "kreisel.show.plots",
+    "plot_attitude": "kreisel.show.attitude",
+    "plot_attitude_errors": "kreisel.show.attitude",
+    "plot_bias": "kreisel.show.attitude",
+    "plot_broad": "kreisel.show.broad",
     "plot_imu": "kreisel.show.plots",
     "plot_linear": "kreisel.show.plots",
     "plot_path": "kreisel.show.path",

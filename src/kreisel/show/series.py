@@ -14,7 +14,7 @@ from matplotlib.ticker import MultipleLocator, ScalarFormatter
 from kreisel.data.checks import Array
 from kreisel.data.motion import Note
 from kreisel.show import style
-from kreisel.show.thinning import COLUMNS, alone, drawable
+from kreisel.show.thinning import COLUMNS, Mask, alone, drawable
 
 # A span below this, in the unit drawn or relative to the value, is round-off rather than signal.
 ROUND_OFF, RELATIVE_ROUND_OFF = 1e-8, 1e-11
@@ -121,6 +121,30 @@ def mark_missing(axes: Axes, t: Array, values: Array) -> Line2D | None:
         transform=axes.get_xaxis_transform(),
     )
     return line
+
+
+def mark_spans(axes: Axes, t: Array, raised: Mask, label: str, colour: str, row: int = 0) -> Artist:
+    """A bar along the floor of a panel wherever a flag `raised` (n,) is up; `row` counts bars upwards.
+
+    Each sample stands for the time up to the next; spans narrower than a pixel are drawn one pixel wide.
+    """
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], raised, [False]])))
+    first, last = edges[::2], edges[1::2]
+    ends = np.append(t[1:], t[-1])
+    # Spans that share a column of the picture are one to the eye.
+    column = (t[-1] - t[0]) / COLUMNS
+    apart = t[first[1:]] - ends[last[:-1] - 1] > column
+    starts = t[first[np.append(True, apart)]]
+    stops = ends[last[np.append(apart, True)] - 1]
+    spans = np.column_stack([starts, np.maximum(stops - starts, column)])
+    return axes.broken_barh(
+        spans.tolist(),
+        (0.012 + 0.035 * row, 0.025),
+        transform=axes.get_xaxis_transform(),
+        facecolors=colour,
+        label=label,
+        zorder=4.0,
+    )
 
 
 def mark_notes(panels: Sequence[Axes], t: Array, notes: Sequence[Note]) -> list[Line2D]:

@@ -22,15 +22,18 @@ class Imu:
     environment: Environment = field(default_factory=Environment)
 
     def ideal(self, motion: Motion) -> ImuRecording:
-        """What a perfect IMU at the mount reads at the times of `motion`.
+        """What a perfect IMU at the mount reads at the times of `motion`; with a field around it, a magnetometer too.
 
         Source: document 000, eq. (9), with the specific force R_SN (a_N - g_N) for its a_S.
         """
         at_sensor = motion.at(self.mount)
+        field_N_uT = self.environment.field_N_uT
         return ImuRecording(
             t=motion.t,
             gyro=at_sensor.omega_NB_B,
             accel=specific_force(at_sensor.a_NB, at_sensor.R_NB, self.environment.g_N),
+            # R_SN field, row by row.
+            mag_uT=None if field_N_uT is None else field_N_uT @ at_sensor.R_NB,
             t0_ns=motion.t0_ns,
             name=self.mount.name,
         )

@@ -6,8 +6,8 @@ import numpy as np
 
 from kreisel.data.checks import Array
 from kreisel.data.motion import Note
-from kreisel.maths.follow import Followed, Joints
-from kreisel.maths.joints import TURN
+from kreisel.maths.following.exact import Followed, Joints
+from kreisel.maths.following.joints import TURN
 
 
 def path_notes(followed: Followed) -> tuple[Note, ...]:

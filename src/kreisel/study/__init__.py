@@ -1,1 +1,1 @@
-"""Closes the loop between simulation, estimation and evaluation."""
+"""Scenarios in, results out: the one floor that knows truth and estimate, and closes the loop between them."""

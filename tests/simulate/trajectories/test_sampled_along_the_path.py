@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from kreisel.maths.following.transport import follow_without_twist
 from kreisel.maths.jets import differentiate
-from kreisel.maths.transport import follow_without_twist
 from kreisel.simulate.trajectories.sampled import SampledTrajectory
 from tests.truth import truth
 

@@ -23,13 +23,14 @@ def configure(parser: ArgumentParser) -> None:
 def run(args: Namespace) -> int:
     """Simulate 5 s of figure 1's loop at 200 Hz with the IMU off the centre of mass, and write it all."""
     from kreisel.data.motion import Mount
+    from kreisel.simulate.imu import Imu
     from kreisel.simulate.trajectories.lissajous import lissajous
 
     started = time.perf_counter()
     motion = lissajous().sample(np.arange(1001) / 200.0)
     mount = Mount(p_BS=np.array([-0.075, -0.075, 0.025]))
     folder = Path(args.output)
-    lines = write_simulation(folder, motion, [mount], animation=True)
+    lines = write_simulation(folder, motion, [mount], [Imu(mount).ideal(motion)], animation=True)
     print("A body flies the loop of figure 1 (0.8 x 0.8 x 0.3 m, 1 Hz), its nose along the path.")
     print(
         "An IMU sits 75 mm behind, 75 mm to the right of and 25 mm above its centre of mass: 5 s at 200 Hz."

@@ -17,7 +17,13 @@ HELP = "what is in a file: rate, span, gaps, plausible units"
 
 _GAPS_SHOWN = 3
 
-_NOUNS = {"Poses": "poses", "Motion": "complete motion", "ImuRecording": "IMU recording"}
+_NOUNS = {
+    "Poses": "poses",
+    "Motion": "complete motion",
+    "ImuRecording": "IMU recording",
+    "AttitudeHistory": "attitude over time",
+    "Reference": "reference attitude",
+}
 
 
 def configure(parser: ArgumentParser) -> None:

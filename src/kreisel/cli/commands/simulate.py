@@ -13,7 +13,7 @@ from kreisel.cli.outputs import aligned, describe_notes, describe_round_trip, wr
 from kreisel.data.checks import choice
 from kreisel.data.frames import WORLDS
 from kreisel.data.motion import Mount
-from kreisel.data.trajectory import Poses
+from kreisel.data.trajectory import Poses, even_times
 
 HELP = "IMU data of a body that moves along the poses in a file"
 
@@ -57,6 +57,7 @@ def configure(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Read, differentiate, mount, write."""
+    from kreisel.simulate.imu import Imu
     from kreisel.simulate.trajectories.sampled import SampledTrajectory
 
     started = time.perf_counter()
@@ -67,11 +68,12 @@ def run(args: Namespace) -> int:
     poses = read_input(args, kind="poses")
     assert isinstance(poses, Poses)  # the kind asked for
     trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method)
-    motion = trajectory.sample(_times(trajectory.span, args.rate))
+    motion = trajectory.sample(None if args.rate is None else even_times(*trajectory.span, args.rate))
     lines = write_simulation(
         Path(args.output),
         motion,
         mounts,
+        [Imu(mount).ideal(motion) for mount in mounts],
         world=args.to_frame,
         imu_format=args.imu_format,
         pictures=not args.no_pictures,
@@ -106,14 +108,3 @@ def _is_vector(text: str) -> bool:
         return len([float(x) for x in text.split(",")]) == 3
     except ValueError:
         return False
-
-
-def _times(span: tuple[float, float], rate: float | None) -> np.ndarray | None:
-    if rate is None:
-        return None
-    if not 0.0 < rate < 1e7:
-        raise ValueError(f"--rate must be a positive number of hertz; got {rate:g}.")
-    # Counted, not accumulated, so that the last step is as long as the first; the half step allows for
-    # round-off in a span that is a whole number of steps.
-    count = int(np.floor((span[1] - span[0]) * rate + 1e-6)) + 1
-    return np.minimum(span[0] + np.arange(count) / rate, span[1])

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, Protocol
 
+from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
 from kreisel.data.trial import Trial
 
-Noun = Poses | Motion | ImuRecording
+Noun = Poses | Motion | ImuRecording | AttitudeHistory | Reference
 Content = Noun | Trial
 """What a file may hold: one noun, or a recording with its reference."""
 
@@ -28,7 +29,7 @@ class ReadOptions:
     rate_hz: float | None = None  # for files without time: the first row is at t = 0
     times: Path | None = None  # for files without time: a text file with one stamp in seconds per row
     kind: str | None = (
-        None  # "poses", "motion", "imu" or "trial": which one to take from a file that has several
+        None  # one of the kinds `kreisel.read` knows: which to take from a file that has several
     )
 
 

@@ -9,6 +9,7 @@ from typing import BinaryIO
 
 import numpy as np
 
+from kreisel.data.attitude import AttitudeHistory, Mask, Reference
 from kreisel.data.checks import Array
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
@@ -29,15 +30,28 @@ from kreisel.files.text import (
     write_rows,
 )
 from kreisel.files.units import UNITS
-from kreisel.maths.rotations import matrix_from_euler, matrix_from_quat_wxyz, quat_wxyz_from_matrix
+from kreisel.maths.rotations import (
+    matrix_from_euler,
+    matrix_from_quat_wxyz,
+    quat_wxyz_from_matrix,
+    rotation_defect,
+)
 
 SUFFIX = ".csv"
-HOLDS = (Poses, Motion, ImuRecording)
+HOLDS = (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
 OPTIONS = frozenset({"columns", "rate_hz"})
 KEEPS = "every bit of every number; attitude as a quaternion, to 1e-15"
 
 _DIGITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}
 _MOTION = ("p", "v", "a", "omega", "alpha")
+_FLAGS = ("rest", "disturbed", "held", "counts")
+_GROUPS_OF = {
+    "imu": ("gyro", "accel", "mag"),
+    "poses": ("p", "q", "phi", "v"),
+    "motion": ("p", "q", "phi", "v", "a", "omega", "alpha"),
+    "attitude": ("q", "phi", "gyro_bias", "a", "sigma", "rest", "disturbed", "held"),
+    "reference": ("q", "phi", "counts"),
+}
 
 
 def sniff(head: bytes) -> bool:
@@ -57,7 +71,7 @@ def read(path: Path, options: ReadOptions) -> Noun:
     file, headers = _headers(file, delimiter)
     found = bind(str(path), headers, options.columns)
     kind = _kind(path, found, headers, options.kind)
-    groups = [g for g in _groups_of(kind) if GROUPS[g][0][0] in found]
+    groups = [g for g in _GROUPS_OF[kind] if GROUPS[g][0][0] in found]
     if "q" in groups and "phi" in groups:
         groups.remove("phi")
     use = [found[name] for g in groups for name in GROUPS[g][0]]
@@ -69,7 +83,8 @@ def read(path: Path, options: ReadOptions) -> Noun:
         t, t0_ns = _even_times(path, len(values), options.rate_hz), 0
     else:
         t, t0_ns = checked_clock(file, stamps, _digits(file, stamp, stamps[0]), stamp.header)
-    values = checked_finite(file, values, [column.header for column in use], nan_ok=kind == "imu")
+    known = np.where(np.isnan(values) & _may_lack(kind, groups, values), 0.0, values)
+    checked_finite(file, known, [column.header for column in use])
     columns = _scaled(values, groups, found)
     return _noun(kind, file, t, t0_ns, columns)
 
@@ -84,22 +99,45 @@ def write(data: Noun, out: BinaryIO) -> None:
     else:
         names.insert(0, "t [s]")
         stamps = seconds_text(data.t, 0)
-    write_rows(out, ",".join(names), [stamps, *(column for g in groups for column in groups[g].T)], ",")
+    columns = [column for array in groups.values() for column in array.reshape(len(data), -1).T]
+    write_rows(out, ",".join(names), [stamps, *map(_printable, columns)], ",")
+
+
+def _printable(column: Array | Mask) -> Array | list[str]:
+    if column.dtype == np.bool_:
+        return ["1" if flag else "0" for flag in column]
+    return np.asarray(column, dtype=np.float64)
 
 
 def _with_unit(name: str, unit: str) -> str:
     return f"{name} [{unit}]" if unit else name
 
 
-def _contents(data: Noun) -> dict[str, Array]:
+def _contents(data: Noun) -> dict[str, Array | Mask]:
+    """The groups of columns that `data` has, in the order they are written in."""
+    found: dict[str, Array | Mask | None]
     if isinstance(data, ImuRecording):
         found = {"gyro": data.gyro, "accel": data.accel, "mag": data.mag_uT}
+    elif isinstance(data, Reference):
+        found = {"q": _quat_where_known(data), "counts": data.counts}
+    elif isinstance(data, AttitudeHistory):
+        found = {"q": data.quat_wxyz, "gyro_bias": data.gyro_bias, "a": data.a_N, "sigma": data.sigma}
+        found |= {"rest": data.rest, "disturbed": data.disturbed, "held": data.held}
     else:
         quat = None if data.R_NB is None else quat_wxyz_from_matrix(data.R_NB)
         found = {"p": data.p_NB, "q": quat, "v": data.v_NB}
     if isinstance(data, Motion):
         found |= {"a": data.a_NB, "omega": data.omega_NB_B, "alpha": data.alpha_NB_B}
     return {group: array for group, array in found.items() if array is not None}
+
+
+def _quat_where_known(data: Reference) -> Array:
+    """Quaternions (n, 4), NaN where the rows that do not count hold no rotation."""
+    quat = np.full((len(data), 4), np.nan)
+    known = np.asarray(np.isfinite(data.R_NS).all(axis=(1, 2)))
+    known[known] = rotation_defect(data.R_NS[known]) < 1e-6
+    quat[known] = quat_wxyz_from_matrix(data.R_NS[known])
+    return quat
 
 
 def _delimiter(rows: list[str]) -> str | None:
@@ -132,13 +170,12 @@ def _headers(file: TextFile, delimiter: str | None) -> tuple[TextFile, list[str]
     return file, [f"#{k}" for k in range(1, len(first) + 1)]
 
 
-def _groups_of(kind: str) -> tuple[str, ...]:
-    return ("gyro", "accel", "mag") if kind == "imu" else ("p", "q", "phi", "v", "a", "omega", "alpha")
-
-
 def _kind(path: Path, found: Mapping[str, Column], headers: list[str], asked: str | None) -> str:
     groups = {g for g, (names, _, _) in GROUPS.items() if names[0] in found}
     imu, poses = {"gyro", "accel"} <= groups, "p" in groups
+    turned = "q" in groups or "phi" in groups
+    if turned and (asked in ("attitude", "reference") or not (imu or poses)):
+        return "reference" if "counts" in groups and asked != "attitude" else "attitude"
     if imu and poses and asked is None:
         raise ValueError(
             f"{path} has both positions and IMU columns. Say which: kind='poses' or kind='imu' (--kind)."
@@ -146,10 +183,11 @@ def _kind(path: Path, found: Mapping[str, Column], headers: list[str], asked: st
     if (asked == "imu" or not poses) and imu:
         return "imu"
     if poses:
-        return "motion" if {*_MOTION} <= groups and ("q" in groups or "phi" in groups) else "poses"
+        return "motion" if {*_MOTION} <= groups and turned else "poses"
     lacking = "accel_x" if "gyro" in groups else "gyro_x" if "accel" in groups else "p_x"
     raise ValueError(
-        f"{path}: no column {lacking}. Needed are positions (p_x ...) or an IMU (gyro_x ..., accel_x ...). "
+        f"{path}: no column {lacking}. Needed are positions (p_x ...), attitude (q_w ...) or an IMU "
+        f"(gyro_x ..., accel_x ...). "
         f"The file has: {', '.join(headers)}. Name foreign columns with --column {lacking}='HEADER [UNIT]'."
     )
 
@@ -177,6 +215,16 @@ def _digits(file: TextFile, column: Column, first: bytes) -> int:
     return _DIGITS[unit]
 
 
+def _may_lack(kind: str, groups: list[str], values: Array) -> Mask:
+    """Where (n, m) NaN has a meaning: no sample, a bias not known, a reference that lost sight."""
+    if kind in ("poses", "motion"):
+        return np.zeros(values.shape, dtype=np.bool_)
+    owners = np.array([group for group in groups for _ in GROUPS[group][0]])
+    if kind == "reference":
+        return (values[:, owners == "counts"] == 0.0) & np.isin(owners, ("q", "phi"))
+    return np.broadcast_to(~np.isin(owners, ("q", "phi", *_FLAGS)), values.shape)
+
+
 def _scaled(values: Array, groups: list[str], found: Mapping[str, Column]) -> dict[str, Array]:
     columns, at = {}, 0
     for group in groups:
@@ -192,12 +240,29 @@ def _noun(kind: str, file: TextFile, t: Array, t0_ns: int, columns: dict[str, Ar
     name = file.path.stem
     if kind == "imu":
         return ImuRecording(t, columns["gyro"], columns["accel"], columns.get("mag"), t0_ns, name)
-    R_NB = None
+    R = _attitude(file, columns)
+    if R is None or kind == "poses":
+        return Poses(t, columns["p"], R, columns.get("v"), t0_ns, name)
+    if kind == "motion":
+        p, v, a, omega, alpha = (columns[group] for group in _MOTION)
+        return Motion(t, p, v, a, R, omega, alpha, t0_ns, name)
+    flags = {group: _flags(file, columns[group], group) for group in _FLAGS if group in columns}
+    if kind == "reference":
+        return Reference(t, R, flags["counts"], t0_ns, name)
+    bias, a_N, sigma = (columns.get(group) for group in ("gyro_bias", "a", "sigma"))
+    rest, disturbed, held = (flags.get(group) for group in ("rest", "disturbed", "held"))
+    return AttitudeHistory(t, R, bias, a_N, sigma, rest, disturbed, held, t0_ns, name)
+
+
+def _attitude(file: TextFile, columns: Mapping[str, Array]) -> Array | None:
     if "q" in columns:
-        R_NB = matrix_from_quat_wxyz(checked_quaternions(file, columns["q"], "q_w ... q_z"))
-    elif "phi" in columns:
-        R_NB = matrix_from_euler(columns["phi"])
-    if kind == "poses" or R_NB is None:
-        return Poses(t, columns["p"], R_NB, columns.get("v"), t0_ns, name)
-    p, v, a, omega, alpha = (columns[group] for group in _MOTION)
-    return Motion(t, p, v, a, R_NB, omega, alpha, t0_ns, name)
+        return matrix_from_quat_wxyz(checked_quaternions(file, columns["q"], "q_w ... q_z"))
+    return matrix_from_euler(columns["phi"]) if "phi" in columns else None
+
+
+def _flags(file: TextFile, values: Array, column: str) -> Mask:
+    flags = values.ravel()
+    odd = np.flatnonzero(~np.isin(flags, (0.0, 1.0)))
+    if odd.size:
+        raise file.error(int(odd[0]), f"{flags[odd[0]]:g} is neither 0 nor 1.", column)
+    return flags == 1.0

@@ -73,6 +73,8 @@ def write(data: Noun, out: BinaryIO) -> None:
     """Time and position, then as much of attitude and velocity as the data has."""
     if isinstance(data, ImuRecording):
         raise ValueError("euroc files hold poses; this is an IMU recording. Write euroc-imu instead.")
+    if not isinstance(data, Poses | Motion):
+        raise ValueError("euroc files hold poses; this data has no positions. Write csv instead.")
     parts: list[Array] = [data.p_NB]
     if data.R_NB is not None:
         parts.append(quat_wxyz_from_matrix(data.R_NB))

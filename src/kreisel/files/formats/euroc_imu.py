@@ -52,6 +52,6 @@ def read(path: Path, options: ReadOptions) -> ImuRecording:
 def write(data: Noun, out: BinaryIO) -> None:
     """Seven columns; the magnetometer, where there is one, has no place in this format."""
     if not isinstance(data, ImuRecording):
-        raise ValueError("euroc-imu files hold IMU recordings; these are poses. Write euroc instead.")
+        raise ValueError("euroc-imu files hold IMU recordings; this is none. Write euroc or csv instead.")
     stamps = list(map(str, to_nanoseconds(data.t, data.t0_ns).tolist()))
     write_rows(out, "#" + ",".join(NAMES), [stamps, *data.gyro.T, *data.accel.T], ",")

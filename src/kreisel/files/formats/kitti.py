@@ -13,7 +13,6 @@ import numpy as np
 
 from kreisel.data.checks import Array
 from kreisel.data.motion import Motion
-from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
 from kreisel.files.formats import Noun, ReadOptions
 from kreisel.files.text import (
@@ -57,8 +56,8 @@ def read(path: Path, options: ReadOptions) -> Poses:
 
 def write(data: Noun, out: BinaryIO) -> None:
     """One line per pose; the stamps have no place in this format."""
-    if isinstance(data, ImuRecording) or data.R_NB is None:
-        raise ValueError("kitti files hold positions with attitude; this data has none. Write csv instead.")
+    if not isinstance(data, Poses | Motion) or data.R_NB is None:
+        raise ValueError("kitti files hold positions with attitude; this data lacks one. Write csv instead.")
     rows = np.concatenate([data.R_NB, data.p_NB[:, :, None]], axis=2).reshape(-1, 12)
     write_rows(out, "", list(rows.T), " ")
 

@@ -1,6 +1,6 @@
 """Turns every noun into MATLAB's MAT files (version 5) and back; what MATLAB users save is understood too.
 
-Matrices are pages as MATLAB has them: R_NB is 3 x 3 x n. A stranger's file may name its variables t, s
+Matrices are pages as MATLAB has them: R_NB and R_NS are 3 x 3 x n. A stranger's file may name its variables t, s
 and phi (rad), or gyro and accel, and others listed in the formats page.
 """
 
@@ -11,6 +11,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
+from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
@@ -18,9 +19,12 @@ from kreisel.files.arrays import SCHEMA, from_arrays, to_arrays
 from kreisel.files.formats import Noun, ReadOptions
 
 SUFFIX = ".mat"
-HOLDS = (Poses, Motion, ImuRecording)
+HOLDS = (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
 OPTIONS = frozenset({"rate_hz"})
 KEEPS = "every bit of every field"
+
+_PAGES = {"R_NB", "R_NS"}
+_COLUMNS = {"t", "rest", "disturbed", "held", "counts"}
 
 
 def sniff(head: bytes) -> bool:
@@ -55,8 +59,8 @@ def write(data: Noun, out: BinaryIO) -> None:
     from scipy.io import savemat
 
     variables = to_arrays(data)
-    if "R_NB" in variables:
-        variables["R_NB"] = np.moveaxis(variables["R_NB"], 0, -1)
+    for name in _PAGES & variables.keys():
+        variables[name] = np.moveaxis(variables[name], 0, -1)
     savemat(out, {name: _as_matlab(value) for name, value in variables.items()}, oned_as="column")
 
 
@@ -65,6 +69,6 @@ def _as_matlab(value: Any) -> Any:
 
 
 def _ours(name: str, value: Any) -> Any:
-    if name == "t":
+    if name in _COLUMNS:
         return np.asarray(value).ravel()
-    return np.moveaxis(value, -1, 0) if name == "R_NB" and np.ndim(value) == 3 else value
+    return np.moveaxis(value, -1, 0) if name in _PAGES and np.ndim(value) == 3 else value

@@ -1,4 +1,8 @@
-"""Turns TUM trajectories (lines of t x y z qx qy qz qw, seconds and metres) into Poses and back."""
+"""Turns TUM trajectories (lines of t x y z qx qy qz qw, seconds and metres) into Poses and back.
+
+An attitude without positions is written with zeros in their place, for the tools that need eight columns; a
+comment above says so, and by it such a file is told from poses at the origin.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +11,8 @@ from typing import BinaryIO
 
 import numpy as np
 
+from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.motion import Motion
-from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
 from kreisel.files.formats import Noun, ReadOptions
 from kreisel.files.stamps import seconds_text
@@ -25,10 +29,11 @@ from kreisel.files.text import (
 from kreisel.maths.rotations import matrix_from_quat_wxyz, quat_wxyz_from_matrix
 
 SUFFIX = ".tum"
-HOLDS = (Poses, Motion)
+HOLDS = (Poses, Motion, AttitudeHistory)
 OPTIONS: frozenset[str] = frozenset()
-KEEPS = "time to the nanosecond, positions to the bit, attitude to 1e-15; no velocity"
+KEEPS = "time to the nanosecond, positions to the bit, attitude to 1e-15; no velocity, no bias"
 
+ATTITUDE_ONLY = "attitude only: the positions are zero"
 NAMES = ("timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw")
 
 
@@ -39,7 +44,7 @@ def sniff(head: bytes) -> bool:
     return len(fields) == len(NAMES) and all(map(is_number, fields))
 
 
-def read(path: Path, options: ReadOptions) -> Poses:
+def read(path: Path, options: ReadOptions) -> Poses | AttitudeHistory:
     """Positions and attitudes as the file has them: TUM names no frame and no direction of up."""
     file = read_text(path)
     stamps, values = load(file, None, NAMES, 0, range(1, 8))
@@ -47,15 +52,20 @@ def read(path: Path, options: ReadOptions) -> Poses:
     t, t0_ns = checked_clock(file, stamps, 9, NAMES[0])
     checked_finite(file, values, NAMES[1:])
     q_wxyz = checked_quaternions(file, values[:, [6, 3, 4, 5]], "qx ... qw")
-    p_NB = np.ascontiguousarray(values[:, :3])
-    return Poses(t, p_NB, matrix_from_quat_wxyz(q_wxyz), t0_ns=t0_ns, name=path.stem)
+    R = matrix_from_quat_wxyz(q_wxyz)
+    if ATTITUDE_ONLY in file.comments:
+        return AttitudeHistory(t, R, t0_ns=t0_ns, name=path.stem)
+    return Poses(t, np.ascontiguousarray(values[:, :3]), R, t0_ns=t0_ns, name=path.stem)
 
 
 def write(data: Noun, out: BinaryIO) -> None:
     """Epoch stamps get nine decimals, times since a start every digit they have."""
-    if isinstance(data, ImuRecording) or data.R_NB is None:
-        raise ValueError(
-            "TUM files hold positions with attitude; this data has no attitude. Write csv instead."
-        )
-    w, *xyz = quat_wxyz_from_matrix(data.R_NB).T
-    write_rows(out, "# " + " ".join(NAMES), [seconds_text(data.t, data.t0_ns), *data.p_NB.T, *xyz, w], " ")
+    if isinstance(data, AttitudeHistory):
+        p, R, remark = np.zeros((len(data), 3)), data.R_NS, f"# {ATTITUDE_ONLY}\n"
+    elif isinstance(data, Poses | Motion) and data.R_NB is not None:
+        p, R, remark = data.p_NB, data.R_NB, ""
+    else:
+        raise ValueError("TUM files hold attitude at every stamp; this data does not. Write csv instead.")
+    w, *xyz = quat_wxyz_from_matrix(R).T
+    header = remark + "# " + " ".join(NAMES)
+    write_rows(out, header, [seconds_text(data.t, data.t0_ns), *p.T, *xyz, w], " ")

@@ -11,10 +11,10 @@ import numpy as np
 
 from kreisel.data.checks import Array, choice, increasing, shaped
 from kreisel.data.motion import Motion
-from kreisel.maths.follow import BLOCK, follow
+from kreisel.maths.following.exact import BLOCK, follow
+from kreisel.maths.following.transport import follow_without_twist
 from kreisel.maths.jets import differentiate
 from kreisel.maths.kinematics import euler_motion
-from kreisel.maths.transport import follow_without_twist
 from kreisel.simulate.notes import path_notes
 
 Function = Callable[[Any], Any]

@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from kreisel.data.checks import Array, increasing, shaped
 from kreisel.data.motion import Motion
-from kreisel.maths.follow import Joints
+from kreisel.maths.following.exact import Joints
+from kreisel.maths.following.tangent import Attitude
 from kreisel.maths.rotations import matrix_from_euler
-from kreisel.maths.tangent import Attitude
 from kreisel.simulate.notes import joint_notes
 
 

@@ -20,9 +20,10 @@ from kreisel.data.checks import (
 )
 from kreisel.data.motion import Motion, Note
 from kreisel.data.trajectory import Poses
-from kreisel.maths.carried import carried_along
-from kreisel.maths.course import Course, attitude_on, course
 from kreisel.maths.derivatives import SECOND_DERIVATIVE_GAIN, Signal, interpolating_spline, noise_level
+from kreisel.maths.following.carried import carried_along
+from kreisel.maths.following.course import Course, attitude_on, course
+from kreisel.maths.following.tangent import Attitude
 from kreisel.maths.kinematics import quaternion_motion
 from kreisel.maths.rotations import (
     continuous_signs,
@@ -30,7 +31,6 @@ from kreisel.maths.rotations import (
     matrix_from_quat_wxyz,
     quat_wxyz_from_matrix,
 )
-from kreisel.maths.tangent import Attitude
 
 METHODS = ("auto", "spline", "smooth", "gradient")
 

@@ -13,12 +13,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.maths.follow import BLOCK, Followed, Joints, follow
-from kreisel.maths.heading import Span
-from kreisel.maths.joints import RATE, TURN
-from kreisel.maths.kernels import argument, kernel
-from kreisel.maths.rolling import Cells, cells
-from kreisel.maths.tangent import (
+from kreisel.maths.following.exact import BLOCK, Followed, Joints, follow
+from kreisel.maths.following.heading import Span
+from kreisel.maths.following.joints import RATE, TURN
+from kreisel.maths.following.rolling import Cells, cells
+from kreisel.maths.following.tangent import (
     AFTER,
     BEFORE,
     DERIVATIVES,
@@ -30,6 +29,7 @@ from kreisel.maths.tangent import (
     leading_series,
     unfilled,
 )
+from kreisel.maths.kernels import argument, kernel
 
 Integers = npt.NDArray[np.integer]
 
@@ -77,7 +77,8 @@ def _course(pieces: Cells, reference: float, R_reference: Array) -> _Course:
     if origin >= 0:
         x = pieces.first[0, origin] / np.linalg.norm(pieces.first[0, origin])
         _turn_onto(R, x if x @ R[:, 0] >= 0.0 else -x)
-    _sweep(pieces.left, pieces.right, pieces.pole, pieces.rate, pieces.first[0], pieces.last[0], R, *out)
+    half = 0.5 * (pieces.right - pieces.left)
+    _sweep(half, pieces.inset, pieces.pole, pieces.rate, pieces.first[0], pieces.last[0], R, *out)
     return out
 
 
@@ -146,31 +147,32 @@ def _attitude(R: Array, u: Array) -> Attitude:
 
 @kernel
 def _sweep(
-    left: Array, right: Array, pole: Array, rate: Array, first: Array, last: Array, R: Array,
+    half: Array, inset: Array, pole: Integers, rate: Array, first: Array, last: Array, R: Array,
     sign: Array, roll: Array, R_first: Array, R_last: Array,
 ) -> None:  # fmt: skip
     """Carry R through the cells in order."""
     x = np.empty(3)
-    for c in range(left.shape[0]):
+    for c in range(half.shape[0]):
         sign[c], roll[c] = 1.0, 0.0
         if pole[c] >= 0:
             along = R[0, 0] * first[c, 0] + R[1, 0] * first[c, 1] + R[2, 0] * first[c, 2]
             sign[c] = -1.0 if along < 0.0 else 1.0
             _unit(first[c], sign[c], x)
             _turn_onto(R, x)
-            roll[c] = _roll_of(R, pole[c])
+            # The roll at the start itself; both ends are looked at a little inside.
+            edge = inset[c] / half[c] - 1.0
+            roll[c] = _roll_of(R, pole[c]) + sign[c] * half[c] * _antiderivative(rate[c], edge)
         R_first[c] = R
         if pole[c] >= 0:
             _unit(last[c], sign[c], x)
-            twist = 0.5 * (right[c] - left[c]) * _antiderivative(rate[c], 1.0)
-            _place(R, x, pole[c], roll[c] - sign[c] * twist)
+            _place(R, x, pole[c], roll[c] - sign[c] * half[c] * _antiderivative(rate[c], -edge))
         R_last[c] = R
 
 
 @kernel
 def _roll_along(
-    t: Array, series: Array, cell: Integers, sign: Array, left: Array, right: Array, pole: Array, rate: Array,
-    roll: Array, R_first: Array, Q: Array, R: Array, omega: Array, alpha: Array,
+    t: Array, series: Array, cell: Integers, sign: Array, left: Array, right: Array, pole: Integers,
+    rate: Array, roll: Array, R_first: Array, Q: Array, R: Array, omega: Array, alpha: Array,
 ) -> None:  # fmt: skip
     x, body = np.empty(3), np.empty((3, 3))
     for k in range(t.shape[0]):

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.maths.heading import Span, one_sided, settled
-from kreisel.maths.joints import RATE, TURN, brackets, suspects
-from kreisel.maths.tangent import (
+from kreisel.maths.following.heading import Span, one_sided, settled
+from kreisel.maths.following.joints import RATE, TURN, brackets, suspects
+from kreisel.maths.following.tangent import (
     AFTER,
     BEFORE,
     EXACT,

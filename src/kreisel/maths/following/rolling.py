@@ -11,10 +11,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
-from kreisel.maths.heading import Span
-from kreisel.maths.joints import brackets, suspects
-from kreisel.maths.tangent import (
+from kreisel.maths.following.heading import Span
+from kreisel.maths.following.joints import brackets, suspects
+from kreisel.maths.following.tangent import (
     AFTER,
     BEFORE,
     DERIVATIVES,
@@ -28,8 +29,10 @@ from kreisel.maths.tangent import (
 
 CELL = 1.0 / 16.0  # s
 NODES = 16
-FINEST = CELL / 2.0**12  # s
+FINEST = CELL / 2.0**11  # s
 BLOCK = 512  # cells at once, 8192 points of the path
+# rad; Gauss's rule over whole cells errs by the square of the remainder, so this does not add up over cells.
+ENOUGH = 1e-13
 AWAY = 0.95  # largest cosine between path and pole; some axis of N stays under 0.58 while a path hardly turns
 
 _X, _W = np.polynomial.legendre.leggauss(NODES)
@@ -42,31 +45,37 @@ class Cells(NamedTuple):
 
     left: Array  # (m,) s
     right: Array  # (m,) s
-    pole: Array  # (m,) index of an axis of N; -1 where the body rests
+    pole: npt.NDArray[np.integer]  # (m,) index of an axis of N; -1 where the body rests
     rate: Array  # (m, NODES) rad/s, Legendre coefficients of the twist of the pole's frame with x along +v
-    first: Array  # (3, m, 3) along the movement after `left`, with two derivatives; NaN at rest
-    last: Array  # (3, m, 3) the same before `right`
+    inset: Array  # (m,) s, how far inside its ends a cell is looked at
+    first: Array  # (3, m, 3) along the movement at left + inset, with two derivatives; NaN at rest
+    last: Array  # (3, m, 3) the same at right - inset
 
 
 def cells(path: Path, start: float, end: float, span: Span, still: Stillness) -> Cells:
     """Cells that cover [start, end], on a grid that does not depend on these two, inside the span."""
     edges = _edges(path, start, end, span, still)
-    work = [
-        (edges[k : k + BLOCK + 1][:-1], edges[k + 1 : k + BLOCK + 1]) for k in range(0, len(edges) - 1, BLOCK)
-    ]
     done = []
-    while work:
-        left, right = work.pop()
-        pole, rate, resolved = _fitted(path, left, right, still)
-        done.append((left[resolved], right[resolved], pole[resolved], rate[resolved]))
-        left, right = left[~resolved], right[~resolved]
-        if len(left):
+    for k in range(0, len(edges) - 1, BLOCK):
+        left, right = edges[k : k + BLOCK + 1][:-1], edges[k + 1 : k + BLOCK + 1]
+        earlier = np.full(len(left), np.inf)
+        while len(left):
+            pole, rate, rest = _fitted(path, left, right, still)
+            # Halving takes a smooth remainder down by thousands; what it merely halves is round-off.
+            resolved = (
+                (rest <= ENOUGH) | (rest > 0.3 * earlier) & np.isfinite(rest) | (right - left <= FINEST)
+            )
+            done.append((left[resolved], right[resolved], pole[resolved], rate[resolved]))
+            left, right, earlier = left[~resolved], right[~resolved], np.repeat(rest[~resolved], 2)
             middle = 0.5 * (left + right)
-            work += [(left, middle), (middle, right)]
+            left, right = np.stack([left, middle], axis=1).ravel(), np.stack([middle, right], axis=1).ravel()
     left, right, pole, rate = (np.concatenate(column) for column in zip(*done, strict=True))
     order = np.argsort(left)
     left, right = left[order], right[order]
-    return Cells(left, right, pole[order], rate[order], *_ends(path, left, right, still))
+    # A few instants inside, so that what is found is this cell's own whatever the next one does.
+    inset = np.minimum(8.0 * instant_at(right, still), 0.25 * (right - left))
+    first, last = _at(path, left + inset, AFTER, still), _at(path, right - inset, BEFORE, still)
+    return Cells(left, right, pole[order], rate[order], inset, first, last)
 
 
 def _edges(path: Path, start: float, end: float, span: Span, still: Stillness) -> Array:
@@ -94,8 +103,10 @@ def _doubtful(path: Path, t: Array, still: Stillness) -> Mask:
     return suspects(t, v, a, j, still)
 
 
-def _fitted(path: Path, left: Array, right: Array, still: Stillness) -> tuple[Array, Array, Mask]:
-    """Pole, coefficients of the twist, and whether they say it all, for each cell."""
+def _fitted(
+    path: Path, left: Array, right: Array, still: Stillness
+) -> tuple[npt.NDArray[np.integer], Array, Array]:
+    """Pole, coefficients of the twist, and the angle (rad) they may miss, for each cell; inf too near a pole."""
     half = 0.5 * (right - left)
     t = 0.5 * (left + right)[:, None] + half[:, None] * _X
     _, v, a = path(t.ravel(), 2).reshape(3, len(left), NODES, 3)
@@ -108,23 +119,21 @@ def _fitted(path: Path, left: Array, right: Array, still: Stillness) -> tuple[Ar
     turn = np.take_along_axis(kappa, pole[:, None, None], axis=2)[..., 0]
     twist = np.where(at_rest[:, None], 0.0, along * turn / np.maximum(1.0 - along**2, 1.0 - AWAY**2))
     rate = twist @ _FIT.T
-    # Near a reversal kappa is a quotient of small numbers; what round-off makes of it is no reason to halve.
+    # Near a reversal kappa is a quotient of small numbers, and late times are known to fewer places; what round-off
+    # makes of either is no reason to halve.
     noise = 1e-15 * (speed.max(axis=1)[:, None] * push + push.max(axis=1)[:, None] * speed) / safe**2
-    allowed = 1e-15 + half * (noise @ _W + 1e-14 * np.abs(rate).max(axis=1))
-    smooth = (half * np.abs(rate[:, -3:]).max(axis=1) <= allowed) & (np.abs(along).max(axis=1) <= AWAY)
-    return np.where(at_rest, -1, pole), rate, at_rest | smooth | (half <= FINEST)
+    tail = (
+        np.abs(rate[:, -3:]).max(axis=1)
+        - noise @ _W
+        - (1e-14 + 4e-15 * np.abs(right) / half) * np.abs(rate).max(axis=1)
+    )
+    near = ~at_rest & (np.abs(along).max(axis=1) > AWAY)
+    return np.where(at_rest, -1, pole), rate, np.where(near, np.inf, half * tail)
 
 
-def _ends(path: Path, left: Array, right: Array, still: Stillness) -> tuple[Array, Array]:
-    """The movement a few instants inside either end, so that it is this cell's whatever the next one does."""
-    out = []
-    for t, side in ((left, AFTER), (right, BEFORE)):
-        inside = t + side * np.minimum(8.0 * instant_at(t, still), 0.25 * (right - left))
-        blocks = [inside[k : k + BLOCK * NODES] for k in range(0, len(t), BLOCK * NODES)]
-        coarse = still.coarser(16.0)
-        out.append(
-            np.concatenate(
-                [leading_series(b, path(b, DERIVATIVES)[1:], side, coarse) for b in blocks], axis=1
-            )
-        )
-    return out[0], out[1]
+def _at(path: Path, t: Array, side: int, still: Stillness) -> Array:
+    """The movement (3, n, 3) at times t, with two derivatives."""
+    coarse, step = still.coarser(16.0), BLOCK * NODES
+    blocks = [t[k : k + step] for k in range(0, len(t), step)]
+    series = [leading_series(b, path(b, DERIVATIVES)[1:], side, coarse) for b in blocks]
+    return np.concatenate(series, axis=1)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from kreisel.maths.tangent import (
+from kreisel.maths.following.tangent import (
     AFTER,
     BEFORE,
     DERIVATIVES,

@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.maths.following.tangent import EXACT, Array, Mask, Path, Stillness, instant_at
 from kreisel.maths.kernels import argument, kernel
-from kreisel.maths.tangent import EXACT, Array, Mask, Path, Stillness, instant_at
 
 PARTS = 8
 CHUNK = 1024  # intervals divided at once: bounds the memory to 8192 points of the path

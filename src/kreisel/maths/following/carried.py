@@ -1,6 +1,6 @@
 """Turns a path known from samples into the attitude of a body carried along it without twisting about it.
 
-The twin of `maths.transport` for signals whose small derivatives are noise: under a floor of speed the body
+The twin of `transport` for signals whose small derivatives are noise: under a floor of speed the body
 keeps its attitude, and goes on with the smallest turn that brings its x axis back into line, nose or tail first.
 """
 
@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel.maths.derivatives import Signal
+from kreisel.maths.following.tangent import Attitude
 from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.rotations import matrix_from_euler
-from kreisel.maths.tangent import Attitude
 
 Array = npt.NDArray[np.float64]
 

@@ -1,6 +1,6 @@
 """Turns a path known from samples into the attitude of a body that follows it, resting where the path only trembles.
 
-`maths.follow` trusts every derivative of an exact path, however small. Behind samples there is a floor of speed
+`exact` trusts every derivative of an exact path, however small. Behind samples there is a floor of speed
 under which the direction is noise: there the last heading is held, and where the body leaves the floor in
 another direction than it came, a jump is reported.
 """
@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel.maths.derivatives import Signal
-from kreisel.maths.tangent import Attitude, Directions, Stillness, attitude_along, tangent_motion
+from kreisel.maths.following.tangent import Attitude, Directions, Stillness, attitude_along, tangent_motion
 
 Array = npt.NDArray[np.float64]
 

@@ -1,0 +1,150 @@
+"""Turns a folder of benchmark recordings into a table of filters and their errors: `kreisel bench`."""
+
+from __future__ import annotations
+
+import json
+import sys
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from kreisel.study.broad import Score
+
+HELP = "attitude filters, ours and others', on the BROAD benchmark"
+
+SCHEMA = "kreisel.bench.broad/1"
+
+_EXAMPLES = """\
+examples:
+  kreisel bench broad BROAD/data_mat
+  kreisel bench broad BROAD/data_mat --filter dcm --filter vqf-offline
+  kreisel bench broad BROAD/data_mat --json > scores.json
+
+Root mean squares in degrees, over the samples that the benchmark counts, without alignment; "free" ones after each
+trial's constant heading offset has been removed. One set of parameters, the default, for all trials. The filters of
+others need pip install 'kreisel[compare]'; vqf runs along wherever it is installed, for the ratio to it.
+"""
+
+_COLUMNS = {
+    "total_rmse_deg": "total",
+    "heading_rmse_deg": "heading",
+    "inclination_rmse_deg": "inclination",
+    "free_total_rmse_deg": "free total",
+    "free_heading_rmse_deg": "free heading",
+}
+
+
+def configure(parser: ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.add_argument("benchmark", choices=["broad"], help="broad: doi 10.3390/data6070072")
+    parser.add_argument("folder", metavar="DIR", help="folder with its trials, *.mat or *.hdf5")
+    parser.add_argument(
+        "--filter",
+        action="append",
+        metavar="NAME",
+        help="a filter to run; may be given several times (default: ours, and all others installed)",
+    )
+    parser.add_argument("-o", "--output", metavar="FOLDER", help="folder for scores.json and a picture")
+    parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
+    parser.epilog = _EXAMPLES
+
+
+def run(args: Namespace) -> int:
+    """Run every filter on every trial and report."""
+    from kreisel.study import broad
+
+    names, paths = _chosen(args.filter), broad.trial_files(Path(args.folder))
+    scores = list(_with_progress(broad.scores(names, paths), names, paths))
+    means = [broad.mean(_of(scores, name)) for name in names]
+    report = _report(scores, means)
+    if args.output is not None:
+        _write(Path(args.output), report, scores)
+    if args.json:
+        print(json.dumps(report, indent=2, allow_nan=False))
+    else:
+        _print(scores, means)
+    return 0
+
+
+def _chosen(asked: Sequence[str] | None) -> list[str]:
+    """The filters to run, each once; those that are not installed only where they were asked for."""
+    from kreisel.data.checks import choice
+    from kreisel.study import broad
+
+    known = broad.filter_names()
+    names = [choice("--filter", name, known) for name in asked or known if asked or broad.installed(name)]
+    if broad.installed(broad.YARDSTICK):
+        names.append(broad.YARDSTICK)
+    return list(dict.fromkeys(names))
+
+
+def _with_progress(scores: Iterable[Score], names: Sequence[str], paths: Sequence[Path]) -> Iterator[Score]:
+    """The same scores; where a person looks on, a line on stderr counts them."""
+    shown = sys.stderr.isatty()
+    for k, score in enumerate(scores, start=1):
+        if shown:
+            sys.stderr.write(f"\r\x1b[K{k} of {len(names) * len(paths)}: {score.filter} on {score.trial}")
+        yield score
+    if shown:
+        sys.stderr.write("\r\x1b[K")
+
+
+def _of(scores: Sequence[Score], name: str) -> list[Score]:
+    return [score for score in scores if score.filter == name]
+
+
+def _ratios(means: Sequence[Score]) -> dict[str, float]:
+    """Mean total error over that of the yardstick; nothing where it did not run."""
+    from kreisel.study.broad import YARDSTICK
+
+    yardstick = next((mean.total_rmse_deg for mean in means if mean.filter == YARDSTICK), None)
+    return {} if yardstick is None else {mean.filter: mean.total_rmse_deg / yardstick for mean in means}
+
+
+def _report(scores: Sequence[Score], means: Sequence[Score]) -> dict[str, Any]:
+    from kreisel.study.broad import YARDSTICK, settings
+
+    ratios = _ratios(means)
+    return {
+        "schema": SCHEMA,
+        "filters": {mean.filter: settings(mean.filter) for mean in means},
+        "scores": [asdict(score) for score in scores],
+        "means": [asdict(mean) | {f"ratio_to_{YARDSTICK}": ratios.get(mean.filter)} for mean in means],
+    }
+
+
+def _print(scores: Sequence[Score], means: Sequence[Score]) -> None:
+    from kreisel.cli.tables import print_table
+    from kreisel.study.broad import YARDSTICK, settings
+
+    for mean in means:
+        print(f"{mean.filter}: {settings(mean.filter)}")
+        header = ["RMSE, deg", *_COLUMNS.values(), "offset"]
+        rows = [[score.trial, *_cells(score)] for score in _of(scores, mean.filter)]
+        print_table(header, rows, [[mean.trial, *_cells(mean)]])
+        print()
+    ratios = _ratios(means)
+    header = ["mean RMSE, deg", *_COLUMNS.values(), *([f"total to {YARDSTICK}'s"] if ratios else [])]
+    rows = [
+        [mean.filter, *_cells(mean)[:-1], *([f"{ratios[mean.filter]:.3f}"] if ratios else [])]
+        for mean in sorted(means, key=lambda mean: mean.total_rmse_deg)
+    ]
+    print_table(header, rows)
+
+
+def _cells(score: Score) -> list[str]:
+    return [f"{getattr(score, name):.3f}" for name in (*_COLUMNS, "heading_offset_deg")]
+
+
+def _write(folder: Path, report: dict[str, Any], scores: Sequence[Score]) -> None:
+    from kreisel import show
+    from kreisel.cli.outputs import make_folder
+    from kreisel.files.atomic import replacing
+
+    make_folder(folder)
+    with replacing(folder / "scores.json") as out:
+        out.write((json.dumps(report, indent=2, allow_nan=False) + "\n").encode())
+    show.save(show.plot_broad(scores), folder / "scores.png")

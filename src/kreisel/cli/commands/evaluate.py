@@ -1,0 +1,233 @@
+"""Turns a true and an estimated attitude, two files, into a table of errors and pictures: `kreisel evaluate`."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from kreisel.data.attitude import AttitudeHistory
+    from kreisel.evaluate.attitude_errors import AttitudeErrors, Summary, Truth
+
+HELP = "errors of an estimated attitude against the truth"
+
+SCHEMA = "kreisel.evaluate/1"
+
+_EXAMPLES = """\
+examples:
+  kreisel evaluate out/truth.npz attitude.npz -o report/
+  kreisel evaluate trial.mat attitude.tum --align heading
+  kreisel evaluate mocap.csv attitude.csv --align frame+sensor --clock-offset estimate
+  kreisel evaluate truth.tum attitude.tum --json --max-total-rmse-deg 2
+
+Angles are in degrees. The total error is the angle of the whole rotation between the two, heading its part about
+up, inclination the angle between the two directions of up. Files in other worlds or with columns of other names:
+kreisel convert them first. Exit code 3: a limit (--max-...) was missed.
+"""
+
+# Statistic of the summary -> what it is called.
+_LIMITS = {
+    "total_rmse_deg": "total RMSE in deg",
+    "heading_rmse_deg": "heading RMSE in deg",
+    "inclination_rmse_deg": "inclination RMSE in deg",
+    "convergence_time_s": "time of convergence in s",
+}
+
+
+def configure(parser: ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.add_argument("truth", metavar="TRUTH", help="motion, poses, attitude, reference or a BROAD trial")
+    parser.add_argument("estimate", metavar="ESTIMATE", help="attitude, or poses with attitude")
+    parser.add_argument(
+        "--align",
+        metavar="WHAT",
+        help="first remove the constant offset that fits best: heading (a turn about up), frame (any turn), "
+        "frame+sensor (also one of the sensor's axes); default: compare as it is",
+    )
+    parser.add_argument(
+        "--clock-offset",
+        type=_clock_offset,
+        default=0.0,
+        metavar="S",
+        help="seconds by which the estimate's stamps are ahead of the truth's, or estimate to find them",
+    )
+    parser.add_argument(
+        "--imu",
+        metavar="[NAME:]X,Y,Z[:RX,RY,RZ]",
+        help="how the sensor is mounted, as kreisel simulate takes it, where TRUTH is the body's attitude",
+    )
+    parser.add_argument(
+        "--limit-deg", type=float, default=5.0, metavar="DEG", help="total error that is converged (5)"
+    )
+    parser.add_argument("-o", "--output", metavar="FOLDER", help="folder for pictures and summary.json")
+    parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
+    for name, text in _LIMITS.items():
+        parser.add_argument(
+            f"--max-{name.replace('_', '-')}",
+            dest=name,
+            type=float,
+            metavar=name.rpartition("_")[2].upper(),
+            help=f"largest {text} allowed",
+        )
+    parser.epilog = _EXAMPLES
+
+
+def run(args: Namespace) -> int:
+    """Read both, compare, report; 3 where a limit was missed."""
+    from kreisel.evaluate.attitude_errors import attitude_errors
+
+    truth, estimate = _truth(args.truth), _estimate(args.estimate, args.imu)
+    errors = attitude_errors(truth, estimate, align=args.align, clock_offset=args.clock_offset)
+    summary = errors.summary(args.limit_deg)
+    limits = _limits(args, summary)
+    report = {
+        "schema": SCHEMA,
+        "truth": args.truth,
+        "estimate": args.estimate,
+        "span_s": float(errors.t[-1] - errors.t[0]),
+        "summary": asdict(summary),
+        "limits": limits,
+    }
+    files = [] if args.output is None else _write(Path(args.output), report, truth, estimate, errors, args)
+    if args.json:
+        print(json.dumps(report, indent=2, allow_nan=False))
+    else:
+        _print(args, errors, summary, files)
+    return _complain_of(limits)
+
+
+def _clock_offset(text: str) -> float | str:
+    if text == "estimate":
+        return text
+    try:
+        offset = float(text)
+    except ValueError:
+        offset = math.nan
+    if not math.isfinite(offset):
+        raise ArgumentTypeError(f"takes a number of seconds or the word estimate; got {text!r}")
+    return offset
+
+
+def _truth(path: str) -> Truth:
+    from kreisel.data.recording import ImuRecording
+    from kreisel.data.trial import Trial
+    from kreisel.files.doors import read
+
+    data = read(path)
+    if isinstance(data, ImuRecording):
+        raise ValueError(f"{path} is an IMU recording and has no attitude to compare with.")
+    return data.reference if isinstance(data, Trial) else data
+
+
+def _estimate(path: str, imu: str | None) -> AttitudeHistory:
+    from kreisel.data.attitude import AttitudeHistory
+    from kreisel.files.doors import read
+
+    data = read(path, kind="attitude")
+    assert isinstance(data, AttitudeHistory)  # the kind asked for
+    if imu is None:
+        return data
+    from dataclasses import replace
+
+    from kreisel.cli.commands.simulate import parse_mount
+
+    # Bias and flags stay those of the sensor, whatever frame the attitude is that of.
+    return replace(data, R_NS=data.body(parse_mount(imu)).R_NS)
+
+
+def _limits(args: Namespace, summary: Summary) -> list[dict[str, Any]]:
+    """One entry for each limit asked for: its value, and whether it was held."""
+    asked = {name: getattr(args, name) for name in _LIMITS if getattr(args, name) is not None}
+    values = {name: getattr(summary, name) for name in asked}
+    return [
+        # A convergence that never came is no number and misses every limit.
+        {"name": n, "limit": asked[n], "value": v, "held": v is not None and v <= asked[n]}
+        for n, v in values.items()
+    ]
+
+
+def _complain_of(limits: list[dict[str, Any]]) -> int:
+    missed = [limit for limit in limits if not limit["held"]]
+    for limit in missed:
+        value = "never" if limit["value"] is None else f"{limit['value']:.4g}"
+        sys.stderr.write(f"kreisel: {_LIMITS[limit['name']]}: {value}, allowed {limit['limit']:g}\n")
+    return 3 if missed else 0
+
+
+def _print(args: Namespace, errors: AttitudeErrors, summary: Summary, files: list[str]) -> None:
+    from kreisel.cli.outputs import aligned
+    from kreisel.cli.tables import print_table
+
+    print(f"{args.estimate} against {args.truth}")
+    print(f"{summary.samples} samples that count, over {errors.t[-1] - errors.t[0]:.6g} s\n")
+    statistics = ("rmse", "mean", "median", "p95", "max")
+    numbers = asdict(summary)
+    rows = [
+        [name, *(f"{numbers[f'{name}_{statistic}_deg']:.4g}" for statistic in statistics)]
+        for name in ("total", "heading", "inclination")
+    ]
+    print_table(["error, deg", "RMSE", "mean", "median", "95 %", "max"], rows)
+    print()
+    for line in _sentences(summary):
+        print(line)
+    if files:
+        print("\n" + aligned(files))
+
+
+def _sentences(summary: Summary) -> list[str]:
+    """What the table does not say: convergence, and every offset that was removed first."""
+    since = summary.convergence_time_s
+    when = "never" if since is None else "from the start" if since == 0.0 else f"after {since:.4g} s"
+    lines = [f"below {summary.convergence_limit_deg:g} deg for good: {when}"]
+    if summary.heading_offset_deg is not None:
+        lines.append(f"removed: heading offset of {summary.heading_offset_deg:.4g} deg")
+    for name, offset in (("frame", summary.frame_offset_deg), ("sensor", summary.sensor_offset_deg)):
+        if offset is not None:
+            parts = ", ".join(f"{angle:.4g}" for angle in offset)
+            lines.append(f"removed: turn of the {name} by the rotation vector ({parts}) deg")
+    if summary.clock_offset_s:
+        lines.append(f"removed: clock offset of {summary.clock_offset_s:.6g} s")
+    return lines
+
+
+def _write(
+    folder: Path,
+    report: dict[str, Any],
+    truth: Truth,
+    estimate: AttitudeHistory,
+    errors: AttitudeErrors,
+    args: Namespace,
+) -> list[str]:
+    """Write summary and pictures; one line for each."""
+    from kreisel import show
+    from kreisel.cli.outputs import make_folder
+    from kreisel.files.atomic import replacing
+
+    make_folder(folder)
+    with replacing(folder / "summary.json") as out:
+        out.write((json.dumps(report, indent=2, allow_nan=False) + "\n").encode())
+    show.save(show.plot_attitude(estimate, truth), folder / "attitude.png")
+    show.save(show.plot_attitude_errors(errors, args.limit_deg), folder / "errors.png")
+    lines = [
+        f"{folder / 'summary.json'}  all numbers, for programs",
+        f"{folder / 'attitude.png'}  the attitude, over the truth",
+        f"{folder / 'errors.png'}  total, heading and inclination error over time",
+    ]
+    if estimate.gyro_bias is not None:
+        show.save(_bias(estimate, truth), folder / "bias.png")
+        lines.append(f"{folder / 'bias.png'}  the estimated gyro bias")
+    return lines
+
+
+def _bias(estimate: AttitudeHistory, truth: Truth) -> Any:
+    from kreisel import show
+
+    true_bias = getattr(truth, "gyro_bias", None)
+    if true_bias is None:
+        return show.plot_bias(estimate)
+    return show.plot_bias(estimate, true_bias, truth.t + (truth.t0_ns - estimate.t0_ns) / 1e9)

@@ -1,0 +1,55 @@
+"""One file or folder per filter; each turns gyro, accelerometer and magnetometer samples into attitude.
+
+The name a user types is the file name with dashes.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+# A filter's state is one flat float64 array that begins with its answer, in these places.
+R_NS = 0  # 9: row by row
+GYRO_BIAS = 9  # 3: in S, rad/s
+FLAGS = 12  # REST + DISTURBED + HELD of the latest sample
+HEADING = 13  # rad: what the magnetometer has turned the answer by, about up
+ANSWER = 14  # the number of these places
+
+# Bits of the flags.
+REST = 1  # the sensor is taken to be at rest
+DISTURBED = 2  # the magnetometer is not trusted
+HELD = 4  # the gyro's sample is missing, or nothing has shown yet which way is up
+
+
+class AttitudeFilter(Protocol):
+    """A frozen dataclass of tuning, in seconds and hertz rather than gains; a module offers it as FILTER."""
+
+    @property
+    def needs_mag(self) -> bool:
+        """Whether a recording without a magnetometer is refused."""
+        ...
+
+    def parameters(self) -> Array:
+        """The tuning as the flat array that the kernels read."""
+        ...
+
+    def start(self, R_NS: Array | None = None) -> Array:
+        """A fresh state; R_NS (3, 3) where the first attitude is known, else the first samples tell it."""
+        ...
+
+    def update(self, state: Array, parameters: Array, sample: Array, dt: float) -> None:
+        """Move `state` in place over the `dt` seconds that end with `sample`: gyro, accel, mag (9,).
+
+        A missing sensor is NaN; dt = 0 changes nothing but a state that has not begun.
+        """
+        ...
+
+    def batch(
+        self, state: Array, parameters: Array, t: Array, gyro: Array, accel: Array, mag: Array, answers: Array
+    ) -> None:
+        """The same through all samples, t (n,) s and the others (n, 3); the answers go into (n, ANSWER)."""
+        ...

@@ -1,0 +1,107 @@
+"""Turns the magnetic field of a window into heading, as far as it can be trusted."""
+
+import math
+
+from kreisel.estimate.filters.dcm import layout as at
+from kreisel.estimate.filters.dcm.covariance import observe
+from kreisel.estimate.filters.dcm.vectors import Array, load, scaled
+from kreisel.maths.kernels import kernel
+
+# rad: an answer whose tilt is known worse than that is still finding its level.
+_LEVEL = 0.06
+
+# rad: a magnetometer that reads the same to the last bit while it turns by this has died.
+_STUCK = 0.35
+
+# Variance of a candidate that has not been watched yet, in any unit.
+_UNKNOWN = 1e12
+
+# How much wider than FIELD_SPREAD the world's field may spread through a room.
+_ROOM = 2.0
+
+
+@kernel
+def observe_field(state: Array, params: Array, P: Array, rest: bool) -> float:
+    """Correct the heading by the field of this window; at.DISTURBED where it was hardly trusted, else 0.
+
+    A disturbance with no preferred direction turns the heading by as much field as it changes norm and dip:
+    these two known components tell how far to believe the third.
+    """
+    if state[at.STUCK] > _STUCK:
+        return at.DISTURBED
+    east, north, up = scaled(1.0 / state[at.MAG_COUNT], load(state, at.MAG_SUM))
+    level = math.hypot(east, north)
+    tilt = 0.5 * (P[0, 0] + P[1, 1])
+    if tilt > _LEVEL**2:
+        # What is not level knows neither heading nor dip: let both follow this window.
+        P[2, 2] += 1.0
+        state[at.FIELD_TIME] = 0.0
+    if state[at.FIELD_TIME] == 0.0:
+        _begin(state, level, up)
+    norm2 = state[at.FIELD] ** 2 + state[at.FIELD + 1] ** 2
+    deviation = _deviation(state, params, level, up)
+    doubt = 1.0 + deviation / (norm2 * (params[at.FIELD_SPREAD] ** 2 + tilt))
+    variance = (doubt * params[at.HEADING_NOISE]) ** 2 / state[at.LENGTH]
+    # Tilt turns a steep field's heading too; the smallest number keeps a vertical one from dividing by zero.
+    variance += tilt * up**2 / (level**2 + 1e-300)
+    cos_d, sin_d = params[at.DECLINATION], params[at.DECLINATION + 1]
+    error = math.atan2(sin_d * north - cos_d * east, cos_d * north + sin_d * east)
+    before = state[at.CORRECTION + 2]
+    observe(state, P, 2, error, variance)
+    state[at.HEADING] -= state[at.CORRECTION + 2] - before
+    _learn(state, params, level, up, 1.0 / doubt)
+    if not rest:
+        _reconsider(state, params, P, level, up)
+    return at.DISTURBED if doubt > 2.0 else 0.0
+
+
+@kernel
+def _begin(state: Array, level: float, up: float) -> None:
+    state[at.FIELD], state[at.FIELD + 1] = level, up
+    state[at.CANDIDATE], state[at.CANDIDATE + 1] = level, up
+    state[at.CANDIDATE + 2] = _UNKNOWN
+    state[at.DEVIATION] = state[at.STEADY] = 0.0
+
+
+@kernel
+def _deviation(state: Array, params: Array, level: float, up: float) -> float:
+    """Mean square by which norm and dip, as field, differ from the reference, or did a moment ago."""
+    norm = math.hypot(state[at.FIELD], state[at.FIELD + 1])
+    stretched = math.hypot(level, up) - norm
+    dipped = norm * (math.atan2(up, level) - math.atan2(state[at.FIELD + 1], state[at.FIELD]))
+    released = state[at.DEVIATION] * math.exp(-state[at.LENGTH] / params[at.FIELD_RELEASE])
+    # What disturbed a moment ago is still near.
+    state[at.DEVIATION] = max(released, 0.5 * (stretched**2 + dipped**2))
+    return state[at.DEVIATION]
+
+
+@kernel
+def _learn(state: Array, params: Array, level: float, up: float, trust: float) -> None:
+    """The reference is the mean of a first while, and then slowly follows what is trusted."""
+    state[at.FIELD_TIME] += state[at.LENGTH]
+    if state[at.FIELD_TIME] < params[at.FIELD_MEMORY]:
+        trust = 1.0
+    k = trust * state[at.LENGTH] / min(state[at.FIELD_TIME], params[at.FIELD_MEMORY])
+    state[at.FIELD] += k * (level - state[at.FIELD])
+    state[at.FIELD + 1] += k * (up - state[at.FIELD + 1])
+
+
+@kernel
+def _reconsider(state: Array, params: Array, P: Array, level: float, up: float) -> None:
+    """A field that stays the same in N while the body moves is the world's, whatever the reference says.
+
+    Iron on the body fails this test; a start beside iron, or another room, passes it after FIELD_MEMORY of
+    motion. The heading may then be off by as much as the reference was.
+    """
+    room2 = (_ROOM * params[at.FIELD_SPREAD]) ** 2 * (level**2 + up**2)
+    k = min(1.0, 4.0 * state[at.LENGTH] / params[at.FIELD_MEMORY])
+    a, b = level - state[at.CANDIDATE], up - state[at.CANDIDATE + 1]
+    state[at.CANDIDATE] += k * a
+    state[at.CANDIDATE + 1] += k * b
+    state[at.CANDIDATE + 2] += k * (0.5 * (a * a + b * b) - state[at.CANDIDATE + 2])
+    state[at.STEADY] = state[at.STEADY] + state[at.LENGTH] if state[at.CANDIDATE + 2] < room2 else 0.0
+    a, b = state[at.CANDIDATE] - state[at.FIELD], state[at.CANDIDATE + 1] - state[at.FIELD + 1]
+    if state[at.STEADY] > params[at.FIELD_MEMORY] and a * a + b * b > 2.0 * room2:
+        state[at.FIELD], state[at.FIELD + 1] = state[at.CANDIDATE], state[at.CANDIDATE + 1]
+        P[2, 2] += min(1.0, (a * a + b * b) / (level**2 + 1e-300))
+        state[at.DEVIATION] = state[at.STEADY] = 0.0

@@ -1,0 +1,86 @@
+"""Turns the flat float64 arrays that the kernels of the DCM filter work on into named places."""
+
+from kreisel.estimate.filters import ANSWER, DISTURBED, FLAGS, GYRO_BIAS, HEADING, HELD, R_NS, REST
+
+# ---- State of every step: the answer as all filters have it (R_NS, GYRO_BIAS, FLAGS, HEADING), then this.
+__all__ = ["ANSWER", "DISTURBED", "FLAGS", "GYRO_BIAS", "HEADING", "HELD", "R_NS", "REST"]
+LEVELLED = 14  # 1 once an accelerometer sample (or a given attitude) has set the inclination
+NORTHED = 15  # 1 once a magnetometer sample (or a given attitude) has set the heading
+CALM = 16  # flags that last: REST + DISTURBED as of the latest window, HELD until levelled
+RATE = 17  # 3: latest good gyro sample, which bridges short gaps, rad/s
+GAP = 20  # s, how long the gyro has been missing
+MISSING = 21  # s, the same since the window began
+PUBLISHED_STATE = 22
+
+# ---- State of the default step.
+# Order of the errors: attitude in N, horizontal velocity, then what is constant: bias, columns of the matrix C
+# by which a gyro reads C @ gyro too much.
+THETA = 0
+V = 3
+B = 5
+C = 8
+ERRORS = 17
+CONSTANTS = 12  # the last so many of them
+
+VELOCITY = 22  # 2: sum of the horizontal specific force less its corrections, m/s
+SCALE = 24  # 9: C, column by column
+COVARIANCE = 33  # 17 x 17
+CORRECTION = 322  # 17: errors found in this window
+COLUMN = 339  # 17: scratch
+FIELD = 356  # 2: reference of the magnetic field, horizontal and up, in the magnetometer's unit
+FIELD_TIME = 358  # s, how long the reference has been learned
+CANDIDATE = 359  # 3: recent field in motion, horizontal and up, and its variance
+STEADY = 362  # s of motion through which the candidate has stayed the same
+DEVIATION = 363  # squared deviation of the field from the reference, its peaks slowly released
+STUCK = 364  # rad, rotation since the magnetometer last read anything new
+LATEST_MAG = 365  # 3
+REST_TIME = 368  # s, how long the sensor has been at rest
+STRETCH = 369  # 4: sums of gyro times dt and of dt over the current stretch of rest
+WAITING = 373  # 4: the stretch before, whose mean is believed once the current one is complete
+NEXT_PART = 377  # s into the window, when TURN is next due
+# Sums over the current window, zero at its start.
+SUMS = 378
+LENGTH = 378  # s
+GYRO_SUM = 379  # 3: times dt
+GYRO_SQUARES = 382
+ACCEL_SUM = 383  # 3: times dt
+ACCEL_SQUARES = 386
+ACCEL_TIME = 387  # s, of accelerometer samples that count
+FORCE_SUM = 388  # 2: horizontal specific force times dt
+MAG_SUM = 390  # 3: field in N
+MAG_COUNT = 393
+TURN = 394  # 3 x 12: what an error of each of the constants turns the attitude by
+SUMMED = 430  # 4: LENGTH and GYRO_SUM that TURN already holds
+SUMS_END = 434
+STATE = 434
+
+# ---- Parameters of every step.
+START_NORTH = 0  # 1 where the first attitude wants a magnetometer sample
+DECLINATION = 1  # 2: cosine and sine of how far magnetic north lies east of true north
+HOLD = 3  # s, longest gap of the gyro that is bridged by its latest sample
+
+# ---- Parameters of the published step.
+WEIGHT_GYRO = 4
+WEIGHT_ACCEL = 5
+WEIGHT_MAG = 6
+OBSERVED = 7  # 1: a weight counts only around the axes that its sensor observes
+EXACT = 8  # 1: the axes are rotated by Exp(dtheta) instead of moved by dtheta x r
+RATE_HZ = 9  # > 0: the weights are those of this sampling rate; others keep its time constants
+PUBLISHED_PARAMETERS = 10
+
+# ---- Parameters of the default step.
+DOF = 4  # 9, 6 or 0 (gyro alone)
+CONING = 5  # 1/12 where a gyro sample is the mean of a rate whose axis turns, else 0
+WINDOW = 6  # s
+GYRO_NOISE = 7  # rad/s/sqrt(Hz)
+RATE_NOISE = 8  # 1/sqrt(Hz), of the rate
+BIAS_DRIFT = 9  # rad/s/sqrt(s)
+SCALE_DRIFT = 10  # 1/sqrt(s)
+VELOCITY_NOISE = 11  # m/s/sqrt(Hz)
+HEADING_NOISE = 12  # rad/sqrt(Hz)
+FIELD_SPREAD = 13  # of the norm of the field
+FIELD_RELEASE = 14  # s
+FIELD_MEMORY = 15  # s
+REST_GYRO = 16  # rad/s
+REST_ACCEL = 17  # m/s^2
+PARAMETERS = 18

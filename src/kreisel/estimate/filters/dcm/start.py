@@ -1,0 +1,67 @@
+"""Turns first samples into a first attitude, and gyro samples that are missing into the rate that bridges them."""
+
+import math
+
+from kreisel.estimate.filters.dcm import layout as at
+from kreisel.estimate.filters.dcm.vectors import Array, Vector, added, cross, dot, load, scaled, store, unit
+from kreisel.maths.directions import VERTICAL
+from kreisel.maths.kernels import inlined, kernel
+
+# rad/s: 5700 deg/s, which no gyro of this kind reads; a number beyond it is a fault.
+_NO_RATE = 100.0
+
+
+@kernel
+def start(state: Array, params: Array, accel: Vector, mag: Vector) -> bool:
+    """Level with the first accelerometer sample, head north with the first magnetometer sample.
+
+    True where this sample has set the inclination, and so begins the answer. Without a magnetometer the yaw
+    starts at zero: x_S points east, or y_S north where x_S is vertical.
+    """
+    begins = state[at.LEVELLED] == 0.0
+    if begins:
+        up = unit(accel)
+        if dot(up, up) == 0.0:
+            return False
+        y = cross(up, (1.0, 0.0, 0.0)) if abs(up[0]) < VERTICAL else (0.0, 1.0, 0.0)
+        _face(state, _horizontal(up, y), up)
+        state[at.LEVELLED] = 1.0
+        state[at.CALM] = state[at.FLAGS] = 0.0
+    up = load(state, at.R_NS + 6)
+    magnetic = _horizontal(up, mag)
+    if state[at.NORTHED] < params[at.START_NORTH] and dot(magnetic, magnetic) > 0.0:
+        cos_d, sin_d = params[at.DECLINATION], params[at.DECLINATION + 1]
+        north = added(scaled(cos_d, magnetic), sin_d, cross(up, magnetic))
+        before = load(state, at.R_NS + 3)
+        state[at.HEADING] = math.atan2(dot(cross(north, before), up), dot(before, north))
+        _face(state, north, up)
+        state[at.NORTHED] = 1.0
+    return begins
+
+
+@inlined
+def _horizontal(up: Vector, a: Vector) -> Vector:
+    """Direction of `a` made perpendicular to the unit vector `up`; zero where nothing finite is left."""
+    return unit(added(a, -dot(up, a), up))
+
+
+@inlined
+def _face(state: Array, north: Vector, up: Vector) -> None:
+    store(state, at.R_NS, cross(north, up))
+    store(state, at.R_NS + 3, north)
+    store(state, at.R_NS + 6, up)
+
+
+@inlined
+def is_rate(gyro: Vector) -> bool:
+    """Whether a gyro sample is one: not NaN, and nothing that only a fault reads."""
+    return abs(gyro[0]) < _NO_RATE and abs(gyro[1]) < _NO_RATE and abs(gyro[2]) < _NO_RATE
+
+
+@kernel
+def bridge(state: Array, params: Array, dt: float) -> Vector:
+    """The rate where a sample is missing: the latest one through a short gap, the bias (no rotation) in a long one."""
+    state[at.FLAGS] = float(int(state[at.FLAGS]) | at.HELD)
+    state[at.GAP] += dt
+    state[at.MISSING] += dt
+    return load(state, at.RATE) if state[at.GAP] <= params[at.HOLD] else load(state, at.GYRO_BIAS)

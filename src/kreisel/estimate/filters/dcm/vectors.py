@@ -1,0 +1,107 @@
+"""Turns tuples of three floats into others: the vector algebra that the steps of the DCM filter inline."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from kreisel.maths.kernels import inlined
+
+Array = npt.NDArray[np.float64]
+Vector = tuple[float, float, float]
+
+NONE: Vector = (0.0, 0.0, 0.0)
+
+
+@inlined
+def cross(a: Vector, b: Vector) -> Vector:
+    """a x b"""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@inlined
+def dot(a: Vector, b: Vector) -> float:
+    """a . b"""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@inlined
+def scaled(k: float, a: Vector) -> Vector:
+    """k a"""
+    return k * a[0], k * a[1], k * a[2]
+
+
+@inlined
+def added(a: Vector, k: float, b: Vector) -> Vector:
+    """a + k b"""
+    return a[0] + k * b[0], a[1] + k * b[1], a[2] + k * b[2]
+
+
+@inlined
+def combined(k: Vector, a: Vector, b: Vector, c: Vector) -> Vector:
+    """k[0] a + k[1] b + k[2] c"""
+    return (
+        k[0] * a[0] + k[1] * b[0] + k[2] * c[0],
+        k[0] * a[1] + k[1] * b[1] + k[2] * c[1],
+        k[0] * a[2] + k[1] * b[2] + k[2] * c[2],
+    )
+
+
+@inlined
+def norm(a: Vector) -> float:
+    """abs(a), and zero where its square is not finite or so small or large that it is no measurement."""
+    n2 = a[0] * a[0] + a[1] * a[1] + a[2] * a[2]
+    return math.sqrt(n2) if 1e-60 < n2 < 1e60 else 0.0
+
+
+@inlined
+def unit(a: Vector) -> Vector:
+    """`a` over its norm; zero where it has none."""
+    n = norm(a)
+    return scaled(1.0 / n, a) if n > 0.0 else NONE
+
+
+@inlined
+def inverse_root_near_one(x: float) -> float:
+    """1 / sqrt(x), in half the time where x is the squared norm of what was a unit vector a step ago."""
+    e = x - 1.0
+    if abs(e) > 1e-4:
+        return 1.0 / math.sqrt(x)
+    # The next term, 35/128 e^4, is below 3e-17.
+    return (1.0 - 0.5 * e) + (e * e) * (0.375 - 0.3125 * e)
+
+
+@inlined
+def exp_factors(a2: float) -> tuple[float, float]:
+    """sin(a) / a and (1 - cos(a)) / a^2 from a^2, with which Exp(v) = 1 + s [v]x + c [v]x^2 for abs(v) = a."""
+    if a2 < 0.01:
+        # The next terms, a^10 / 11! and a^10 / 12!, are below 3e-18.
+        s = 1.0 + a2 * (-1.0 / 6.0 + a2 * (1.0 / 120.0 + a2 * (-1.0 / 5040.0 + a2 * (1.0 / 362880.0))))
+        c = 0.5 + a2 * (-1.0 / 24.0 + a2 * (1.0 / 720.0 + a2 * (-1.0 / 40320.0 + a2 * (1.0 / 3628800.0))))
+        return s, c
+    a = math.sqrt(a2)
+    # Half-angle form: 1 - cos(a) loses digits where a is small.
+    half = math.sin(0.5 * a) / a
+    return math.sin(a) / a, 2.0 * half * half
+
+
+@inlined
+def rotated(dtheta: Vector, r: Vector) -> Vector:
+    """Exp(dtheta) r"""
+    s, c = exp_factors(dot(dtheta, dtheta))
+    first = cross(dtheta, r)
+    return added(added(r, s, first), c, cross(dtheta, first))
+
+
+@inlined
+def load(a: Array, i: int) -> Vector:
+    """The three numbers at place i."""
+    return a[i], a[i + 1], a[i + 2]
+
+
+@inlined
+def store(a: Array, i: int, v: Vector) -> None:
+    """Put `v` at place i."""
+    a[i] = v[0]
+    a[i + 1] = v[1]
+    a[i + 2] = v[2]

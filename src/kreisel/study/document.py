@@ -1,0 +1,167 @@
+"""Turns the text of a scenario file into a Scenario and back; whatever could not be run is refused with its key."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+from kreisel.study.building import build
+from kreisel.study.scenario import EnvironmentRecipe, FilterRecipe, ImuRecipe, Scenario, TrajectoryRecipe
+from kreisel.study.signature import Place, call, unknown
+
+# A scenario is written by hand; anything larger is some other file.
+_MAX_BYTES = 1_000_000
+_MAX_DEPTH = 10
+
+_TABLES = ("trajectory", "imu", "environment", "filter")
+_PLURAL = {"imu": "imus", "filter": "filters"}
+
+
+def load(path: Path) -> Scenario:
+    """The scenario in a file; see `Scenario.load`."""
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(_MAX_BYTES + 1)
+    except OSError as error:
+        raise type(error)(f"cannot read {path}: {error.strerror}.") from None
+    if len(data) > _MAX_BYTES:
+        raise ValueError(f"{path} is no scenario: it is larger than {_MAX_BYTES // 1000} kB.")
+    try:
+        return parse(data.decode("utf-8-sig").replace("\r\n", "\n"), path.parent, str(path))
+    except UnicodeDecodeError:
+        raise ValueError(f"{path} is no scenario: it is not text in UTF-8.") from None
+
+
+def parse(text: str, folder: Path, source: str) -> Scenario:
+    """The scenario that a text writes; see `Scenario.from_toml`."""
+    where = Place(source)
+    table = _read(text, where)
+    scalars = {name: value for name, value in table.items() if name not in _TABLES}
+    for name in scalars:
+        _check_known(where, name)
+    if "trajectory" not in table:
+        raise ValueError(
+            f"{where}: trajectory is missing; a scenario has a table [trajectory] with its kind."
+        )
+    parts = {
+        "trajectory": _trajectory(table["trajectory"], where.at("trajectory")),
+        "environment": call(EnvironmentRecipe, _table(table, "environment", where), where.at("environment")),
+        "folder": folder,
+    }
+    if "imu" in table:
+        parts["imus"] = tuple(call(ImuRecipe, t, place) for t, place in _tables(table, "imu", where))
+    if "filter" in table:
+        parts["filters"] = tuple(_filter(t, place) for t, place in _tables(table, "filter", where))
+    scenario = call(Scenario, scalars, where, ready=parts)
+    build(scenario, where)
+    return scenario
+
+
+def text(scenario: Scenario) -> str:
+    """A scenario as TOML; see `Scenario.to_toml`."""
+    import tomli_w
+
+    if not isinstance(scenario.trajectory, TrajectoryRecipe):
+        raise ValueError(
+            f"a {type(scenario.trajectory).__name__} cannot be written to a scenario file; write its functions as "
+            'text: TrajectoryRecipe("expressions", {"position": ["cos(t)", "sin(t)", "0"]}).'
+        )
+    table = _given(scenario, leave_out=("trajectory", "imus", "environment", "filters", "folder"))
+    table["trajectory"] = {"kind": scenario.trajectory.kind, **_filled(scenario.trajectory.parameters)}
+    table["environment"] = _given(scenario.environment)
+    table["imu"] = [_given(imu) for imu in scenario.imus]
+    table["filter"] = [{"kind": f.kind, "name": f.name, **_filled(f.tuning)} for f in scenario.filters]
+    return tomli_w.dumps(_lists(table))
+
+
+# --- reading ---
+
+
+def _read(text: str, where: Place) -> dict[str, Any]:
+    try:
+        table = tomllib.loads(text)
+    except RecursionError:
+        raise ValueError(f"{where} is no scenario: its values are nested too deeply.") from None
+    except ValueError as error:
+        raise ValueError(f"{where} is not TOML: {error}.") from None
+    level: list[Any] = [table]
+    for _ in range(_MAX_DEPTH):
+        level = [inner for value in level for inner in _inside(value)]
+    if level:
+        raise ValueError(f"{where} is no scenario: its values are nested more than {_MAX_DEPTH} deep.")
+    return table
+
+
+def _inside(value: Any) -> list[Any]:
+    if isinstance(value, dict):
+        return list(value.values())
+    return value if isinstance(value, list) else []
+
+
+def _check_known(where: Place, name: str) -> None:
+    known = [f.name for f in fields(Scenario) if f.name not in (*_PLURAL.values(), "folder")]
+    if name not in known:
+        unknown(where, name, [*known, *_PLURAL])
+
+
+def _trajectory(table: Any, where: Place) -> TrajectoryRecipe:
+    kind, parameters = _kind(table, where)
+    return call(TrajectoryRecipe, {"kind": kind}, where, ready={"parameters": parameters})
+
+
+def _filter(table: Any, where: Place) -> FilterRecipe:
+    kind, tuning = _kind(table, where)
+    name = tuning.pop("name", "")
+    return call(FilterRecipe, {"kind": kind, "name": name}, where, ready={"tuning": tuning})
+
+
+def _kind(table: Any, where: Place) -> tuple[str, dict[str, Any]]:
+    """The kind that a table names, and the rest of it."""
+    rest = dict(_checked_table(table, where))
+    kind = rest.pop("kind", None)
+    if not isinstance(kind, str):
+        what = "is missing" if kind is None else f"must be text in quotes; got {kind!r}"
+        raise ValueError(f"{where.at('kind')} {what}.")
+    return kind, rest
+
+
+def _table(table: Mapping[str, Any], name: str, where: Place) -> Mapping[str, Any]:
+    return _checked_table(table.get(name, {}), where.at(name))
+
+
+def _tables(table: Mapping[str, Any], name: str, where: Place) -> list[tuple[Mapping[str, Any], Place]]:
+    """The tables [[name]], or the only one, [name], each with its place."""
+    if isinstance(table[name], dict):
+        return [(table[name], where.at(name))]
+    if not isinstance(table[name], list):
+        raise ValueError(f"{where.at(name)} must be tables [[{name}]]; got {table[name]!r:.60}.")
+    places = [where.at(name, k) for k in range(len(table[name]))]
+    return [(_checked_table(t, place), place) for t, place in zip(table[name], places, strict=True)]
+
+
+def _checked_table(table: Any, where: Place) -> Mapping[str, Any]:
+    if not isinstance(table, dict):
+        raise ValueError(f"{where} must be a table; got {table!r:.60}.")
+    return table
+
+
+# --- writing ---
+
+
+def _given(part: Any, leave_out: tuple[str, ...] = ()) -> dict[str, Any]:
+    """The fields of a recipe that hold something: TOML knows no None."""
+    return _filled({f.name: getattr(part, f.name) for f in fields(part) if f.name not in leave_out})
+
+
+def _filled(table: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in table.items() if value is not None}
+
+
+def _lists(value: Any) -> Any:
+    """Tuples as lists, all the way down."""
+    if isinstance(value, dict):
+        return {name: _lists(item) for name, item in value.items()}
+    return [_lists(item) for item in value] if isinstance(value, list | tuple) else value

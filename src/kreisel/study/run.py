@@ -1,0 +1,110 @@
+"""Turns a Scenario into a Result: true motion, what the IMUs read, what the filters made of it, and their errors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kreisel.data.motion import Motion, Mount
+from kreisel.data.recording import ImuRecording
+from kreisel.study.building import build, declination
+from kreisel.study.scenario import Scenario, TrajectoryRecipe
+
+if TYPE_CHECKING:
+    from kreisel.data.attitude import AttitudeHistory
+    from kreisel.evaluate.attitude_errors import AttitudeErrors, Summary
+
+SCHEMA = "kreisel.run/1"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Estimate:
+    """What one filter made of what one IMU read."""
+
+    imu: str
+    filter: str
+    attitude: AttitudeHistory  # of the sensor, R_NS
+    errors: AttitudeErrors  # against the true attitude of the sensor
+
+    @property
+    def summary(self) -> Summary:
+        """Statistics of the errors over all samples."""
+        return self.errors.summary()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Result:
+    """Everything that one run made."""
+
+    scenario: Scenario
+    motion: Motion  # of the body, the truth
+    mounts: tuple[Mount, ...]  # one per IMU
+    recordings: tuple[ImuRecording, ...]  # one per IMU
+    estimates: tuple[Estimate, ...]  # one per IMU and filter, IMU by IMU
+
+    def report(self) -> dict[str, Any]:
+        """The run in numbers and texts that JSON holds; "schema" names their layout.
+
+        Angles in deg as their names say; `null` where there is none.
+        """
+        t = self.motion.t
+        return {
+            "schema": SCHEMA,
+            "scenario": _described(self.scenario),
+            "samples": len(t),
+            "start_s": float(t[0]),
+            "end_s": float(t[-1]),
+            "t0_ns": self.motion.t0_ns,
+            "notes": [asdict(note) for note in self.motion.notes],
+            "imus": [{"name": r.name, "magnetometer": r.mag_uT is not None} for r in self.recordings],
+            "estimates": [
+                {"imu": e.imu, "filter": e.filter, "errors": _json_safe(asdict(e.summary))}
+                for e in self.estimates
+            ],
+        }
+
+
+def run(scenario: Scenario) -> Result:
+    """Sample, record, estimate, compare. Raises ValueError for a recipe that cannot be made."""
+    parts = build(scenario)
+    motion = parts.trajectory.sample(parts.t)
+    recordings = tuple(imu.ideal(motion) for imu in parts.imus)
+    estimates = [
+        _estimate(name, filter, recording, motion.at(imu.mount))
+        for imu, recording in zip(parts.imus, recordings, strict=True)
+        for name, filter in parts.filters
+    ]
+    return Result(scenario, motion, tuple(imu.mount for imu in parts.imus), recordings, tuple(estimates))
+
+
+def _estimate(name: str, filter: Any, recording: ImuRecording, truth: Motion) -> Estimate:
+    # Loaded here: numba's kernels, which a scenario without filters need not wait for.
+    from kreisel.estimate.run import run as estimated
+    from kreisel.evaluate.attitude_errors import attitude_errors
+
+    attitude = estimated(filter, recording)
+    return Estimate(recording.name, name, attitude, attitude_errors(truth, attitude))
+
+
+def _described(scenario: Scenario) -> dict[str, Any]:
+    """The scenario as its file would have it, but for a trajectory of functions, which is named by its class."""
+    trajectory = scenario.trajectory
+    if not isinstance(trajectory, TrajectoryRecipe):
+        trajectory = TrajectoryRecipe(type(trajectory).__name__)
+    table = asdict(replace(scenario, trajectory=trajectory))
+    table["environment"]["declination_deg"] = float(np.rad2deg(declination(scenario.environment)))
+    del table["folder"]
+    return _json_safe(table)
+
+
+def _json_safe(value: Any) -> Any:
+    """`value` with tuples as lists, and None for the numbers that JSON does not know."""
+    if isinstance(value, Mapping):
+        return {name: _json_safe(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_json_safe(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,127 @@
+"""What a study is to do, as a plain value: trajectory, IMUs, surroundings, filters and a seed.
+
+The TOML file of a scenario, its keys and units are described in docs/scenarios.md.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from kreisel.data.environment import STANDARD_GRAVITY
+from kreisel.data.trajectory import Trajectory
+from kreisel.study.values import Vector, file_name, finite, plain, positive, unlike, vector
+
+
+@dataclass(frozen=True)
+class TrajectoryRecipe:
+    """A trajectory by the name of its plug-in, or "file", and the arguments it is made with."""
+
+    kind: str
+    parameters: Mapping[str, Any] = field(default_factory=dict)  # plain values
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parameters", plain("parameters", dict(self.parameters)))
+
+
+@dataclass(frozen=True)
+class FilterRecipe:
+    """A filter by the name of its plug-in, and its tuning."""
+
+    kind: str
+    tuning: Mapping[str, Any] = field(default_factory=dict)  # plain values
+    name: str = ""  # in reports and file names; the kind where it is left out
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "tuning", plain("tuning", dict(self.tuning)))
+        object.__setattr__(self, "name", file_name("name", self.name or self.kind))
+
+
+@dataclass(frozen=True)
+class ImuRecipe:
+    """Where an IMU sits on the body and how it is turned."""
+
+    name: str = "imu"  # in reports and file names
+    p_BS: Vector = (0.0, 0.0, 0.0)  # m, lever arm in B
+    rotation_deg: Vector = (0.0, 0.0, 0.0)  # turn of S against B about x, y, z: R_BS = Rz Ry Rx
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        put(self, "name", file_name("name", self.name))
+        put(self, "p_BS", vector("p_BS", self.p_BS))
+        put(self, "rotation_deg", vector("rotation_deg", self.rotation_deg))
+
+
+@dataclass(frozen=True)
+class EnvironmentRecipe:
+    """Gravity and magnetic field around the body."""
+
+    gravity: float = STANDARD_GRAVITY  # m/s^2, downwards
+    field_N_uT: Vector | None = None  # microtesla in N: east, true north, up; None: no magnetometers
+    declination_deg: float | None = None  # what filters are told, east positive; None: that of the field
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        put(self, "gravity", finite("gravity", self.gravity))
+        if self.field_N_uT is not None:
+            put(self, "field_N_uT", vector("field_N_uT", self.field_N_uT))
+        if self.declination_deg is not None:
+            put(self, "declination_deg", finite("declination_deg", self.declination_deg))
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """A recipe from which `study.run` makes the same result every time.
+
+    Round-trips through TOML, but for a trajectory that is an object rather than a recipe.
+    """
+
+    trajectory: TrajectoryRecipe | Trajectory
+    duration: float | None = None  # s; None: to the end of the trajectory
+    rate_hz: float | None = None  # of the IMUs; None: the times of the file
+    start: float | None = None  # s; None: where the trajectory begins, 0 if it always was
+    name: str = ""
+    seed: int = 0
+    imus: tuple[ImuRecipe, ...] = (ImuRecipe(),)
+    environment: EnvironmentRecipe = EnvironmentRecipe()
+    filters: tuple[FilterRecipe, ...] = ()
+    folder: Path = field(default=Path(), compare=False)  # where relative paths of files begin
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        for name in ("duration", "rate_hz"):
+            if getattr(self, name) is not None:
+                put(self, name, positive(name, getattr(self, name)))
+        if self.start is not None:
+            put(self, "start", finite("start", self.start))
+        if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
+            raise ValueError(f"seed must be a whole number, 0 or more; got {self.seed!r}.")
+        put(self, "imus", unlike("imu", tuple(self.imus)))
+        put(self, "filters", unlike("filter", tuple(self.filters)))
+        put(self, "folder", Path(self.folder))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Scenario:
+        """The scenario in a TOML file; relative paths in it begin at its folder.
+
+        Raises ValueError with file and key, one sentence, for anything that cannot be run, OSError for no file.
+        """
+        from kreisel.study.document import load
+
+        return load(Path(path))
+
+    @classmethod
+    def from_toml(cls, text: str, folder: str | os.PathLike[str] = ".", source: str = "scenario") -> Scenario:
+        """The scenario that `text` writes; `source` is what errors call it. Raises as `load` does."""
+        from kreisel.study.document import parse
+
+        return parse(text, Path(folder), source)
+
+    def to_toml(self) -> str:
+        """The text that `from_toml` makes this scenario of again. Raises ValueError for a trajectory of functions."""
+        from kreisel.study.document import text
+
+        return text(self)

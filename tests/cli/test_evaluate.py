@@ -1,0 +1,191 @@
+"""`kreisel evaluate` as a person and as a program meet it."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import kreisel
+from kreisel.cli.main import main
+from kreisel.maths.rotations import exp_so3, matrix_from_euler
+
+N = 400
+T = np.arange(N) / 100.0
+R = matrix_from_euler(np.column_stack([0.4 * np.sin(3 * T), 0.3 * np.cos(2 * T), 0.5 * np.sin(T)]))
+
+
+@pytest.fixture
+def truth(tmp_path: Path) -> str:
+    path = tmp_path / "truth.tum"
+    kreisel.write(path, kreisel.Poses(T, np.ones((N, 3)), R))
+    return str(path)
+
+
+def estimate(tmp_path: Path, dtheta_deg, name: str = "attitude.npz", late: float = 0.0, **fields) -> str:
+    """A file with the truth turned by `dtheta_deg` about the axes of N, stamps ahead by `late`."""
+    turned = exp_so3(np.radians(np.broadcast_to(dtheta_deg, (N, 3)))) @ R
+    kreisel.write(tmp_path / name, kreisel.AttitudeHistory(T + late, turned, **fields))
+    return str(tmp_path / name)
+
+
+def report(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
+    assert main(["evaluate", *arguments, "--json"]) == 0
+    streams = capsys.readouterr()
+    assert streams.err == ""
+    return json.loads(streams.out)
+
+
+def test_the_table_has_the_three_errors(truth, tmp_path, capsys) -> None:
+    assert main(["evaluate", truth, estimate(tmp_path, [0.0, 0.0, 2.0])]) == 0
+    text = capsys.readouterr().out
+    lines = {line.split()[0]: line.split()[1:] for line in text.splitlines() if line}
+    assert lines["total"] == lines["heading"] == ["2"] * 5
+    # A quaternion in the file holds an angle to 1e-15 rad.
+    assert all(float(value) < 1e-6 for value in lines["inclination"])
+    assert "400 samples that count, over 3.99 s" in text
+    assert "below 5 deg for good: from the start" in text
+
+
+@pytest.mark.parametrize("name", ["attitude.npz", "attitude.csv", "attitude.tum", "attitude.mat"])
+def test_the_estimate_may_be_any_file_of_attitude(name, truth, tmp_path, capsys) -> None:
+    found = report(capsys, truth, estimate(tmp_path, [3.0, 0.0, 0.0], name))
+    assert found["schema"] == "kreisel.evaluate/1"
+    assert found["summary"]["total_rmse_deg"] == pytest.approx(3.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["motion", "attitude", "reference", "trial"])
+def test_the_truth_may_be_any_noun_with_attitude(kind, tmp_path, capsys) -> None:
+    counts = T >= 1.0
+    zeros = np.zeros((N, 3))
+    path = tmp_path / "truth.npz"
+    if kind == "motion":
+        kreisel.write(path, kreisel.Motion(T, zeros, zeros, zeros, R, zeros, zeros))
+    elif kind == "attitude":
+        kreisel.write(path, kreisel.AttitudeHistory(T, R))
+    elif kind == "reference":
+        kreisel.write(path, kreisel.Reference(T, R, counts))
+    else:
+        path = broad_trial(tmp_path, counts)
+    found = report(capsys, str(path), estimate(tmp_path, [0.0, 4.0, 0.0]))
+    assert found["summary"]["inclination_rmse_deg"] == pytest.approx(4.0, rel=1e-9)
+    assert found["summary"]["samples"] == (N if kind in ("motion", "attitude") else counts.sum())
+
+
+def broad_trial(tmp_path: Path, counts) -> Path:
+    from scipy.io import savemat
+
+    from kreisel.maths.rotations import quat_wxyz_from_matrix
+
+    imu = dict.fromkeys(("imu_gyr", "imu_acc", "imu_mag"), np.ones((N, 3)))
+    truth = {"opt_quat": quat_wxyz_from_matrix(R), "movement": counts, "sampling_rate": 100.0}
+    savemat(tmp_path / "trial.mat", imu | truth)
+    return tmp_path / "trial.mat"
+
+
+def test_offsets_are_removed_when_asked_and_named(truth, tmp_path, capsys) -> None:
+    turned = estimate(tmp_path, [0.0, 0.0, 30.0], late=0.05)
+    assert main(["evaluate", truth, turned, "--align", "heading", "--clock-offset", "estimate"]) == 0
+    text = capsys.readouterr().out
+    assert "removed: heading offset of 30 deg" in text
+    assert "removed: clock offset of 0.05 s" in text
+    found = report(capsys, truth, turned, "--align", "heading", "--clock-offset", "0.05")["summary"]
+    assert found["clock_offset_s"] == 0.05
+    assert found["total_max_deg"] < 1e-6
+
+
+def test_a_turned_sensor_is_compared_with_its_body(truth, tmp_path, capsys) -> None:
+    R_BS = matrix_from_euler(np.radians([0.0, 0.0, 90.0]))
+    path = tmp_path / "sensor.npz"
+    kreisel.write(path, kreisel.AttitudeHistory(T, R @ R_BS))
+    assert report(capsys, truth, str(path))["summary"]["total_rmse_deg"] == pytest.approx(90.0)
+    found = report(capsys, truth, str(path), "--imu", "wrist:0,0,0.1:0,0,90")
+    assert found["summary"]["total_rmse_deg"] < 1e-6
+
+
+def test_pictures_and_summary_are_written(truth, tmp_path, capsys) -> None:
+    bias = np.zeros((N, 3))
+    path = estimate(tmp_path, [1.0, 0.0, 0.0], gyro_bias=bias)
+    out = tmp_path / "deep" / "out"
+    assert main(["evaluate", truth, path, "-o", str(out)]) == 0
+    names = ["attitude.png", "bias.png", "errors.png", "summary.json"]
+    assert sorted(p.name for p in out.iterdir()) == names
+    text = capsys.readouterr().out
+    assert all(name in text for name in names)
+    assert json.loads((out / "summary.json").read_text())["summary"]["total_rmse_deg"] == pytest.approx(1.0)
+
+
+def test_a_true_bias_is_drawn_where_the_truth_has_one(tmp_path, monkeypatch) -> None:
+    from kreisel import show
+
+    drawn = []
+    monkeypatch.setattr(
+        show, "plot_bias", lambda *given: drawn.append(given) or show.attitude.plot_bias(*given)
+    )
+    truth = kreisel.AttitudeHistory(T, R, np.full((N, 3), 0.01), t0_ns=10**9)
+    kreisel.write(tmp_path / "truth.npz", truth)
+    path = estimate(tmp_path, [1.0, 0, 0], gyro_bias=np.zeros((N, 3)), t0_ns=10**9 - 500_000_000)
+    assert main(["evaluate", str(tmp_path / "truth.npz"), path, "-o", str(tmp_path / "out")]) == 0
+    ((_, bias, t),) = drawn
+    np.testing.assert_array_equal(bias, 0.01)
+    np.testing.assert_allclose(t, T + 0.5)
+
+
+@pytest.mark.parametrize(
+    ("limit", "code", "said"),
+    [
+        (["--max-total-rmse-deg", "2.1"], 0, ""),
+        (["--max-total-rmse-deg", "1.9"], 3, "total RMSE in deg: 2, allowed 1.9"),
+        (["--max-heading-rmse-deg", "1.9"], 3, "heading RMSE in deg: 2, allowed 1.9"),
+        (["--max-inclination-rmse-deg", "0.1"], 0, ""),
+        (["--max-convergence-time-s", "1"], 0, ""),
+        (["--max-convergence-time-s", "1", "--limit-deg", "1"], 3, "convergence in s: never, allowed 1"),
+    ],
+)
+def test_a_missed_limit_is_exit_code_3(limit, code, said, truth, tmp_path, capsys) -> None:
+    path = estimate(tmp_path, [0.0, 0.0, 2.0])
+    assert main(["evaluate", truth, path, "--json", *limit]) == code
+    streams = capsys.readouterr()
+    assert said in streams.err
+    assert [entry["held"] for entry in json.loads(streams.out)["limits"]] == [code == 0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--align", "headng"], "Did you mean 'heading'"),
+        (["--clock-offset", "100"], "do not overlap"),
+        (["--imu", "1,2"], "--imu takes"),
+    ],
+)
+def test_mistakes_are_one_line(arguments, message, truth, tmp_path, capsys) -> None:
+    assert main(["evaluate", truth, estimate(tmp_path, [0.0, 0.0, 2.0]), *arguments]) == 1
+    err = capsys.readouterr().err
+    assert message in err and err.count("\n") == 1
+
+
+@pytest.mark.parametrize("offset", ["soon", "nan", "inf"])
+def test_a_clock_offset_is_a_number_or_a_wish(offset, truth, capsys) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main(["evaluate", truth, truth, "--clock-offset", offset])
+    assert stop.value.code == 2
+    assert "takes a number of seconds or the word estimate" in capsys.readouterr().err
+
+
+def test_files_without_attitude_are_refused(truth, tmp_path, capsys) -> None:
+    kreisel.write(tmp_path / "imu.csv", kreisel.ImuRecording(T, np.zeros((N, 3)), np.ones((N, 3))))
+    assert main(["evaluate", str(tmp_path / "imu.csv"), truth]) == 1
+    assert "is an IMU recording and has no attitude" in capsys.readouterr().err
+    assert main(["evaluate", truth, str(tmp_path / "imu.csv")]) == 1
+    assert "holds an IMU recording, not attitude" in capsys.readouterr().err
+
+
+def test_a_person_at_a_terminal_gets_the_same_numbers(truth, tmp_path, capsys, monkeypatch) -> None:
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    assert main(["evaluate", truth, estimate(tmp_path, [0.0, 0.0, 2.0])]) == 0
+    text = capsys.readouterr().out
+    total = next(line for line in text.splitlines() if line.lstrip().startswith("total"))
+    assert total.split()[1:] == ["2"] * 5
