@@ -84,11 +84,11 @@ def delay_error(t: np.ndarray) -> float:
     return float(np.abs(recorded.measured.accel - earlier)[20:].max())
 
 
-def test_latency_delays_one_sensor_with_an_error_of_fourth_order() -> None:
+def test_latency_delays_one_sensor_with_an_error_of_fourth_order_or_less() -> None:
     coarse, fine = (delay_error(3.0 + np.arange(int(5 * rate)) / rate) for rate in (200.0, 400.0))
     assert coarse < 1e-5
-    # 16 but for the place between two samples that is looked at, and for the next order.
-    assert 10.0 < coarse / fine < 25.0
+    # 16 for fourth order, but for the place between two samples that is looked at; the next order may add to it.
+    assert coarse / fine > 10.0
 
 
 def test_before_the_motion_began_the_first_reading_holds() -> None:
