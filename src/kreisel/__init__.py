@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from kreisel.data.attitude import AttitudeHistory as AttitudeHistory
     from kreisel.data.attitude import Reference as Reference
     from kreisel.data.environment import Environment as Environment
+    from kreisel.data.increments import ImuIncrements as ImuIncrements
     from kreisel.data.motion import Motion as Motion
     from kreisel.data.motion import Mount as Mount
     from kreisel.data.motion import Note as Note
@@ -39,8 +40,11 @@ if TYPE_CHECKING:
     from kreisel.estimate.filters.dcm import DcmFilter as DcmFilter
     from kreisel.estimate.run import Stream as Stream
     from kreisel.estimate.run import run as run
+    from kreisel.estimate.strapdown import integrate as integrate
     from kreisel.evaluate.attitude_errors import AttitudeErrors as AttitudeErrors
     from kreisel.evaluate.attitude_errors import attitude_errors as attitude_errors
+    from kreisel.evaluate.motion_errors import MotionErrors as MotionErrors
+    from kreisel.evaluate.motion_errors import motion_errors as motion_errors
     from kreisel.files.doors import read as read
     from kreisel.files.doors import write as write
     from kreisel.simulate.imu import Imu as Imu
@@ -56,6 +60,7 @@ if TYPE_CHECKING:
     from kreisel.simulate.trajectories.rest import rest as rest
     from kreisel.simulate.trajectories.rounded_rectangle import rounded_rectangle as rounded_rectangle
     from kreisel.simulate.trajectories.sampled import SampledTrajectory as SampledTrajectory
+    from kreisel.study.round_trip import round_trip as round_trip
     from kreisel.study.scenario import Scenario as Scenario
 
 __version__ = "0.1.0"
@@ -69,8 +74,10 @@ _HOMES = {
     "Environment": "kreisel.data.environment",
     "FunctionTrajectory": "kreisel.simulate.trajectories.functions",
     "Imu": "kreisel.simulate.imu",
+    "ImuIncrements": "kreisel.data.increments",
     "ImuRecording": "kreisel.data.recording",
     "Motion": "kreisel.data.motion",
+    "MotionErrors": "kreisel.evaluate.motion_errors",
     "Mount": "kreisel.data.motion",
     "Note": "kreisel.data.motion",
     "Poses": "kreisel.data.trajectory",
@@ -81,17 +88,20 @@ _HOMES = {
     "Trial": "kreisel.data.trial",
     "attitude_errors": "kreisel.evaluate.attitude_errors",
     "run": "kreisel.estimate.run",
+    "motion_errors": "kreisel.evaluate.motion_errors",
     "read": "kreisel.files.doors",
     "write": "kreisel.files.doors",
     "circle": "kreisel.simulate.trajectories.circle",
     "coning": "kreisel.simulate.trajectories.coning",
     "expressions": "kreisel.simulate.trajectories.expressions",
     "figure_eight": "kreisel.simulate.trajectories.lying_eight",
+    "integrate": "kreisel.estimate.strapdown",
     "helix": "kreisel.simulate.trajectories.helix",
     "line": "kreisel.simulate.trajectories.line",
     "lissajous": "kreisel.simulate.trajectories.lissajous",
     "lying_eight": "kreisel.simulate.trajectories.lying_eight",
     "rest": "kreisel.simulate.trajectories.rest",
+    "round_trip": "kreisel.study.round_trip",
     "rounded_rectangle": "kreisel.simulate.trajectories.rounded_rectangle",
 }
 

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from kreisel.data.motion import Motion, Mount, Note
 from kreisel.files.doors import write
@@ -104,6 +107,24 @@ def describe_notes(notes: Sequence[Note]) -> list[str]:
             lines.append(
                 f"... and {len(same) - len(shown)} more of this kind, the last at {same[-1].t:.6g} s"
             )
+    return lines
+
+
+def describe_round_trip(motion: Motion, mount: Mount) -> list[str]:
+    """ "name  errors" for rates and for increments of an ideal IMU, each integrated back over all of `motion`.
+
+    Rates show what is lost between the samples. Increments have no error of method in attitude and velocity; their
+    position, integrated from velocity, shows whether the path and its derivative are one.
+    """
+    from kreisel.study.round_trip import round_trip
+
+    imu, truth = Imu(mount), motion.at(mount)
+    lines = []
+    increments = replace(imu.increments(motion), dp=None)
+    for kind, recording in (("rates", imu.ideal(motion)), ("increments", increments)):
+        errors = round_trip(recording, truth, imu.environment)
+        p, v, turn = (float(x.max()) for x in (errors.position, errors.velocity, errors.attitude))
+        lines.append(f"{mount.name} {kind}  {p:.2g} m, {v:.2g} m/s, {np.rad2deg(turn):.2g} deg")
     return lines
 
 

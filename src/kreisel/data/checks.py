@@ -17,7 +17,7 @@ Array = npt.NDArray[np.float64]
 
 
 def read_only(x: Array) -> Array:
-    """A view of `x` that cannot be written to."""
+    """A view of `x` that cannot be written to; nouns take such a view as it is, without a copy."""
     view = x.view()
     view.flags.writeable = False
     return view
@@ -35,9 +35,12 @@ def as_array(name: str, value: Any) -> Array:
 def shaped(name: str, value: Any, shape: Sequence[int | str]) -> Array:
     """`value` as a read-only array of `shape`; letters such as "n" stand for any length.
 
+    An array that its owner could still write to is copied: what a noun holds does not change behind its back.
     Raises ValueError naming the shape received and, where it would fit, the transpose.
     """
     array = as_array(name, value)
+    if isinstance(value, np.ndarray) and value.flags.writeable and np.may_share_memory(array, value):
+        array = array.copy()
     if not _fits(array.shape, shape):
         wanted = "(" + ", ".join(map(str, shape)) + ("," if len(shape) == 1 else "") + ")"
         hint = f" Did you mean {name}.T?" if array.ndim > 1 and _fits(array.T.shape, shape) else ""

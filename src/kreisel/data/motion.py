@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kreisel.data.checks import Array, finite, increasing, rotations, same_length, shaped
+from kreisel.data.checks import Array, finite, increasing, read_only, rotations, same_length, shaped
 from kreisel.maths.kinematics import acceleration_at, velocity_at
 from kreisel.maths.rotations import euler_from_matrix, quat_wxyz_from_matrix
 
@@ -92,12 +92,12 @@ class Motion:
         )
         return Motion(
             t=self.t,
-            p_NB=self.p_NB + self.R_NB @ mount.p_BS,
-            v_NB=self.v_NB + v_lever,
-            a_NB=self.a_NB + a_lever,
-            R_NB=self.R_NB @ mount.R_BS,
-            omega_NB_B=self.omega_NB_B @ R_SB.T,
-            alpha_NB_B=self.alpha_NB_B @ R_SB.T,
+            p_NB=read_only(self.p_NB + self.R_NB @ mount.p_BS),
+            v_NB=read_only(self.v_NB + v_lever),
+            a_NB=read_only(self.a_NB + a_lever),
+            R_NB=read_only(self.R_NB @ mount.R_BS),
+            omega_NB_B=read_only(self.omega_NB_B @ R_SB.T),
+            alpha_NB_B=read_only(self.alpha_NB_B @ R_SB.T),
             t0_ns=self.t0_ns,
             name=self.name,
             notes=self.notes,

@@ -13,6 +13,7 @@ from kreisel.data.checks import (
     choice,
     finite,
     increasing,
+    read_only,
     rotations,
     same_length,
     shaped,
@@ -118,7 +119,8 @@ class SampledTrajectory:
             R, omega, alpha = quaternion_motion(*attitude(times, 2))
             notes = (attitude_note,)
         p, v, a = position(times, 2)
-        return Motion(times, p, v, a, R, omega, alpha, self.t0_ns, self.name, (position_note, *notes))
+        columns = map(read_only, (times, p, v, a, R, omega, alpha))
+        return Motion(*columns, self.t0_ns, self.name, (position_note, *notes))
 
     def _along(self, position: Signal, times: Array) -> tuple[Attitude, tuple[Note, ...]]:
         """Attitude of a body that follows the path, and notes on where its heading jumps."""
