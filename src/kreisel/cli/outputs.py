@@ -116,6 +116,7 @@ def describe_round_trip(motion: Motion, mount: Mount) -> list[str]:
     Rates show what is lost between the samples. Increments have no error of method in attitude and velocity; their
     position, integrated from velocity, shows whether the path and its derivative are one.
     """
+    from kreisel.simulate.imu import Imu
     from kreisel.study.round_trip import round_trip
 
     imu, truth = Imu(mount), motion.at(mount)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from kreisel.data.checks import Array, finite, increasing, read_only, rotations, same_length, shaped
 from kreisel.maths.kinematics import acceleration_at, velocity_at
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 class Note:
     """Something a user should know about how a motion came to be: the method chosen, a jump and its time."""
 
-    kind: str  # "method", "heading-jump", "rate-step", "rest"
+    kind: str  # "method", "heading-jump", "rate-step", "rest", "gap"
     text: str  # one sentence
     t: float | None = None  # s, where it happened
 
@@ -82,6 +83,16 @@ class Motion:
         from scipy.spatial.transform import Rotation
 
         return Rotation.from_matrix(self.R_NB)
+
+    def rows(self, rows: slice | npt.NDArray[np.int64]) -> Motion:
+        """The samples that `rows` picks, which must keep them in order; notes are kept as they are."""
+        part = object.__new__(Motion)
+        for column in fields(Motion):
+            value = getattr(self, column.name)
+            # Rows of what was checked need no second look, which would cost more than most uses of them.
+            picked = read_only(value[rows]) if isinstance(value, np.ndarray) else value
+            object.__setattr__(part, column.name, picked)
+        return part
 
     def at(self, mount: Mount) -> Motion:
         """Motion of the sensor at `mount`, in sensor axes (frame S in place of B)."""
