@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from kreisel.data.checks import instance
 from kreisel.data.environment import Environment
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
@@ -17,11 +18,16 @@ class Imu:
     mount: Mount = field(default_factory=Mount)
     environment: Environment = field(default_factory=Environment)
 
+    def __post_init__(self) -> None:
+        instance("mount", self.mount, Mount, "Write Mount(p_BS=[x, y, z]).")
+        instance("environment", self.environment, Environment, "Write Environment(...).")
+
     def ideal(self, motion: Motion) -> ImuRecording:
         """What a perfect IMU at the mount reads at the times of `motion`; with a field around it, a magnetometer too.
 
         Source: document 000, eq. (9), with the specific force R_SN (a_N - g_N) for its a_S.
         """
+        instance("motion", motion, Motion, "A trajectory's sample(t) gives one.")
         at_sensor = motion.at(self.mount)
         field_N_uT = self.environment.field_N_uT
         return ImuRecording(
