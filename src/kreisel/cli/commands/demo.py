@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import time
 from argparse import ArgumentParser, Namespace
-from pathlib import Path
 
 import numpy as np
 
-from kreisel.cli.outputs import aligned, describe_notes, write_simulation
+from kreisel.cli.outputs import (
+    Simulation,
+    aligned,
+    describe_notes,
+    output_folder,
+    simulation_outputs,
+    write_outputs,
+)
 
 HELP = "the main job on a built-in path: the loop of the document's figure 1"
 
@@ -16,7 +22,12 @@ HELP = "the main job on a built-in path: the loop of the document's figure 1"
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument(
-        "-o", "--output", default="kreisel-demo", metavar="FOLDER", help="default: kreisel-demo"
+        "-o",
+        "--output",
+        type=output_folder,
+        default="kreisel-demo",
+        metavar="FOLDER",
+        help="default: kreisel-demo",
     )
 
 
@@ -29,8 +40,8 @@ def run(args: Namespace) -> int:
     started = time.perf_counter()
     motion = lissajous().sample(np.arange(1001) / 200.0)
     mount = Mount(p_BS=np.array([-0.075, -0.075, 0.025]))
-    folder = Path(args.output)
-    lines = write_simulation(folder, motion, [mount], [Imu(mount).ideal(motion)], animation=True)
+    made = Simulation(motion, (mount,), (Imu(mount).ideal(motion),))
+    lines = write_outputs(args.output, simulation_outputs([mount.name], animation=True), made)
     print("A body flies the loop of figure 1 (0.8 x 0.8 x 0.3 m, 1 Hz), its nose along the path.")
     print(
         "An IMU sits 75 mm behind, 75 mm to the right of and 25 mm above its centre of mass: 5 s at 200 Hz."
