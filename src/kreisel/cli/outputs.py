@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import json
+import sys
 from argparse import ArgumentTypeError
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TextIO, TypeVar
 
-from kreisel.atomic import refuse_unwritable, replacing
+import numpy as np
+
+from kreisel.atomic import is_standard_output, refuse_unwritable, replacing
 from kreisel.data.motion import Motion, Mount, Note
 from kreisel.files.doors import suffix, write
 
 if TYPE_CHECKING:
     from kreisel.data.recording import ImuRecording
+    from kreisel.simulate.imu import Imu
 
 # Shown of each kind of note; a path with a thousand reversals must not bury the summary.
 _NOTES_SHOWN = 4
@@ -68,6 +72,11 @@ def output_folder(text: str) -> Path:
             "takes the name of a folder; got an empty one. Write . for the current folder"
         )
     return Path(text)
+
+
+def summary_stream(output: str) -> TextIO:
+    """Where to print what is told about `output`: the data itself may have gone to standard output."""
+    return sys.stderr if is_standard_output(output) else sys.stdout
 
 
 def check_outputs(folder: Path, outputs: Sequence[Output[Any]]) -> None:
@@ -197,6 +206,23 @@ def describe_notes(notes: Sequence[Note]) -> list[str]:
             lines.append(
                 f"... and {len(same) - len(shown)} more of this kind, the last at {same[-1].t:.6g} s"
             )
+    return lines
+
+
+def describe_round_trip(imu: Imu, motion: Motion) -> list[str]:
+    """Lines of "name  errors" for ideal rates and increments of `imu`, each integrated back over all of `motion`.
+
+    Rates show what is lost between the samples. Increments have no error of method in attitude and velocity; their
+    position, integrated from velocity, shows whether the path and its derivative are one.
+    """
+    from kreisel.study.round_trip import round_trip
+
+    truth, lines = motion.at(imu.mount), []
+    increments = replace(imu.increments(motion), dp=None)
+    for kind, recording in (("rates", imu.ideal(motion)), ("increments", increments)):
+        errors = round_trip(recording, truth, imu.environment)
+        p, v, turn = (float(x.max()) for x in (errors.position, errors.velocity, errors.attitude))
+        lines.append(f"{imu.mount.name} {kind}  {p:.2g} m, {v:.2g} m/s, {np.rad2deg(turn):.2g} deg")
     return lines
 
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import sys
 from argparse import ArgumentParser, Namespace
 
-from kreisel.atomic import is_standard_output
 from kreisel.cli.inputs import add_input_arguments, read_input
+from kreisel.cli.outputs import summary_stream
 from kreisel.data.checks import choice
 from kreisel.data.frames import WORLDS, from_enu_flu
 from kreisel.files.doors import writable_names, write
@@ -43,7 +42,5 @@ def run(args: Namespace) -> int:
     data = from_enu_flu(read_input(args), args.to_frame)
     write(args.output, data, args.to)
     span = data.t[-1] - data.t[0]
-    # The data itself may have gone to standard output: nothing else belongs there then.
-    stream = sys.stderr if is_standard_output(args.output) else sys.stdout
-    print(f"{args.output}: {len(data)} rows over {span:.6g} s", file=stream)
+    print(f"{args.output}: {len(data)} rows over {span:.6g} s", file=summary_stream(args.output))
     return 0

@@ -13,6 +13,7 @@ from kreisel.cli.outputs import (
     aligned,
     check_outputs,
     describe_notes,
+    describe_round_trip,
     output_folder,
     simulation_outputs,
     write_outputs,
@@ -32,6 +33,7 @@ examples:
   kreisel simulate poses.tum -o out/ --rate 400 --imu wrist:0.02,0,0.05
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
   kreisel simulate flight.csv -o out/ --frame ned-frd
+  kreisel simulate poses.csv -o out/ --rate 1000 --check
 """
 
 
@@ -62,6 +64,11 @@ def configure(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.add_argument("--animation", action="store_true", help="also write motion.gif")
+    parser.add_argument(
+        "--check",
+        action="store_true",
+        help="integrate the IMU data back from the first pose and print how far that ends up from the truth",
+    )
     parser.epilog = _EXAMPLES
 
 
@@ -95,6 +102,9 @@ def run(args: Namespace) -> int:
     print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
     print(f"written in {time.perf_counter() - started:.1f} s:")
     print(aligned(lines))
+    if args.check:
+        print("integrated back from the first pose, the largest errors are:")
+        print(aligned([line for mount in mounts for line in describe_round_trip(Imu(mount), motion)]))
     return 0
 
 
