@@ -7,17 +7,18 @@ import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Collection, Sequence
 from dataclasses import fields
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from kreisel import discovery
 from kreisel.cli.inputs import add_input_arguments, read_input
+from kreisel.cli.outputs import summary_stream
 from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.checks import choice
 from kreisel.data.facts import impossible_units, unit_doubts
 from kreisel.data.recording import ImuRecording
+from kreisel.files.doors import format_names, write
 
 HELP = "attitude from IMU data, by one of the filters"
 
@@ -38,7 +39,8 @@ def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     add_input_arguments(parser)
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="file for the attitude")
-    parser.add_argument("--to", metavar="FORMAT", help="its format, where the suffix does not tell")
+    known = ", ".join(format_names(AttitudeHistory))
+    parser.add_argument("--to", metavar="FORMAT", help=f"its format, where the suffix does not tell: {known}")
     names = ", ".join(discovery.names(FILTERS))
     parser.add_argument("--filter", default="dcm", metavar="NAME", help=f"one of: {names} (default: dcm)")
     parser.add_argument(
@@ -63,7 +65,6 @@ def run(args: Namespace) -> int:
     """Read, check the units, estimate, write."""
     from kreisel.data.frames import from_enu_flu
     from kreisel.estimate.run import run as estimate
-    from kreisel.files.doors import write
 
     filter = _filter(args)
     recording = read_input(args, kind="imu")
@@ -72,15 +73,15 @@ def run(args: Namespace) -> int:
     started = time.perf_counter()
     answer = estimate(filter, recording)
     seconds = time.perf_counter() - started
-    write(Path(args.output), from_enu_flu(answer, args.frame), args.to)
+    write(args.output, from_enu_flu(answer, args.frame), args.to)
     if args.picture is not None:
         from kreisel import show
 
         show.save(show.plot_attitude(answer), args.picture)
     mag = "with" if recording.mag_uT is not None else "without"
-    print(f"{args.input}: {len(recording)} samples {mag} magnetometer; {args.filter} took {seconds:.2f} s")
-    print("\n".join(_remarks(answer)))
-    print(f"{args.output}: attitude of the sensor in {args.frame}")
+    lines = [f"{args.input}: {len(recording)} samples {mag} magnetometer; {args.filter} took {seconds:.2f} s"]
+    lines += [*_remarks(answer), f"{args.output}: attitude of the sensor in {args.frame}"]
+    print("\n".join(lines), file=summary_stream(args.output))
     return 0
 
 
