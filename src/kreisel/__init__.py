@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from kreisel.data.trajectory import Trajectory as Trajectory
     from kreisel.data.trial import Trial as Trial
     from kreisel.estimate.filters.dcm import DcmFilter as DcmFilter
-    from kreisel.estimate.run import Stream as Stream
     from kreisel.estimate.run import run as run
+    from kreisel.estimate.stream import Stream as Stream
     from kreisel.evaluate.attitude_errors import AttitudeErrors as AttitudeErrors
     from kreisel.evaluate.attitude_errors import attitude_errors as attitude_errors
     from kreisel.files.doors import read as read
@@ -76,7 +76,7 @@ _HOMES = {
     "Poses": "kreisel.data.trajectory",
     "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
     "Scenario": "kreisel.study.scenario",
-    "Stream": "kreisel.estimate.run",
+    "Stream": "kreisel.estimate.stream",
     "Trajectory": "kreisel.data.trajectory",
     "Trial": "kreisel.data.trial",
     "attitude_errors": "kreisel.evaluate.attitude_errors",

@@ -26,7 +26,10 @@ HELD = 4  # the gyro's sample is missing, or nothing has shown yet which way is 
 
 
 class AttitudeFilter(Protocol):
-    """A frozen dataclass of tuning, in seconds and hertz rather than gains; a module offers it as FILTER."""
+    """A frozen dataclass of tuning, in seconds and hertz rather than gains; a module offers it as FILTER.
+
+    Beside FILTER stands STATE_VERSION, a number raised whenever places of the state change their meaning.
+    """
 
     @property
     def needs_mag(self) -> bool:

@@ -190,3 +190,6 @@ class DcmFilter:
 
 
 FILTER = DcmFilter
+
+STATE_VERSION = 1
+"""Raised whenever places of the state change their meaning: streams saved before are then refused."""
