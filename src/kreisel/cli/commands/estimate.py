@@ -1,0 +1,292 @@
+"""Turns IMU recordings into attitude by one of our filters: `kreisel estimate`."""
+
+from __future__ import annotations
+
+import glob
+import json
+import math
+import sys
+import tomllib
+from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kreisel import discovery
+from kreisel.cli.inputs import add_input_arguments, read_content
+from kreisel.data.checks import choice
+from kreisel.data.facts import clock_of, impossible_units, unit_doubts
+from kreisel.data.frames import WORLDS, from_enu_flu, to_enu_flu
+from kreisel.data.recording import ImuRecording
+from kreisel.data.trial import Trial
+
+if TYPE_CHECKING:
+    from kreisel.data.attitude import AttitudeHistory
+
+HELP = "attitude from IMU recordings"
+
+SCHEMA = "kreisel.estimate/1"
+FILTERS = "kreisel.estimate.filters"
+
+_EXAMPLES = """\
+examples:
+  kreisel estimate imu.csv -o attitude.tum
+  kreisel estimate trial.mat -o attitude.npz --mode 6
+  kreisel estimate log.csv --frame ned-frd --declination-deg 3.5 --set mag_time=30
+  kreisel estimate trial.mat --set published.weight_accel=0.02 --set published.exact=true
+  kreisel estimate 'recordings/*.csv' -o attitudes/ --to npz
+
+Without -o the summary is all that is made. TUM files hold the attitude alone; csv, npz and mat also gyro bias,
+acceleration and flags. What the filter assumes of the sensors is in its tuning: --set help lists it.
+"""
+
+_FORMATS = ("tum", "csv", "npz", "mat")
+
+
+def configure(parser: ArgumentParser) -> None:
+    """Add the command's arguments."""
+    add_input_arguments(parser, many=True)
+    parser.add_argument(
+        "--filter", default="dcm", metavar="NAME", help=f"{', '.join(_names())} (default: dcm)"
+    )
+    parser.add_argument(
+        "--mode",
+        help="auto: with the magnetometer where there is one (default); 9: insist on it; 6: without it; "
+        "gyro: the gyroscope alone after the start",
+    )
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="a number of the filter's tuning, in SI units; may be given several times; --set help lists them",
+    )
+    parser.add_argument(
+        "--declination-deg",
+        type=float,
+        metavar="DEG",
+        help="magnetic declination, east positive: north is then true north (default 0: magnetic north)",
+    )
+    parser.add_argument(
+        "--trust-units", action="store_true", help="estimate even where the numbers look like g or deg/s"
+    )
+    parser.add_argument("-o", "--output", metavar="OUT", help="file, or for several inputs folder, to write")
+    parser.add_argument(
+        "--to", metavar="FORMAT", help="tum, csv, npz or mat (default: by OUT's suffix, or tum)"
+    )
+    parser.add_argument("--to-frame", default="enu-flu", metavar="WORLD", help="world of the output")
+    parser.add_argument("--json", action="store_true", help="machine-readable summary, with a schema version")
+    parser.epilog = _EXAMPLES
+
+
+def run(args: Namespace) -> int:
+    """Read, check, estimate, write, sum up; the first file that is not sound ends the command."""
+    from kreisel.estimate.run import run as estimated
+    from kreisel.files.doors import write
+
+    if "help" in args.set:
+        print(_tuning_help(args.filter))
+        return 0
+    choice("--to-frame", args.to_frame, tuple(WORLDS))
+    filter, paths = _filter(args), _paths(args.input)
+    outputs = _outputs(args, paths)
+    files = []
+    for path, output in zip(paths, outputs, strict=True):
+        content = read_content(args, path)
+        recording = _recording(path, content, args)
+        attitude = estimated(filter, recording)
+        if output is not None:
+            write(output, from_enu_flu(attitude, args.to_frame), args.to)
+        files.append(_summary(path, output, recording, attitude, is_trial=isinstance(content, Trial)))
+    if args.json:
+        print(json.dumps({"schema": SCHEMA, "filter": _described(args), "files": files}, indent=2))
+    else:
+        _print(args, files)
+    return 0
+
+
+def _names() -> list[str]:
+    return [name.replace("_", "-") for name in discovery.names(FILTERS)]
+
+
+def _make(name: str) -> Any:
+    return discovery.load(FILTERS, choice("--filter", name, _names()).replace("-", "_")).FILTER
+
+
+def _filter(args: Namespace) -> Any:
+    """The filter with the tuning asked for, each key and value checked."""
+    from kreisel.study.signature import Place, call
+
+    tuning = _table(args.set)
+    if args.mode is not None:
+        tuning["mode"] = args.mode
+    if args.declination_deg is not None:
+        tuning["declination"] = math.radians(args.declination_deg)
+    return call(_make(args.filter), tuning, Place("--set"))
+
+
+def _table(pairs: Sequence[str]) -> dict[str, Any]:
+    """{"published": {"exact": True}} from ["published.exact=true"]; values are TOML's, or bare words."""
+    table: dict[str, Any] = {}
+    for pair in pairs:
+        key, equals, value = (part.strip() for part in pair.partition("="))
+        *folders, last = key.split(".")
+        if not equals or not value or not all([*folders, last]):
+            raise ValueError(f"--set takes KEY=VALUE, such as accel_time=5; got {pair!r}.")
+        inner = table
+        for folder in folders:
+            inner = inner.setdefault(folder, {})
+            if not isinstance(inner, dict):
+                raise ValueError(f"--set {pair}: {folder} has been given a value already.")
+        inner[last] = _value(value)
+    return table
+
+
+def _value(text: str) -> Any:
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+
+
+def _tuning_help(name: str) -> str:
+    """The tuning of a filter as its class declares it, comments and all."""
+    import inspect
+
+    make = _make(name)
+    lines = [line.strip() for line in inspect.getsource(make).splitlines()]
+    keys = tuple(f"{field}:" for field in inspect.signature(make).parameters)
+    return "\n".join(line for line in lines if line.startswith(keys))
+
+
+def _paths(given: Sequence[str]) -> list[str]:
+    """The files given, patterns replaced by the files they fit."""
+    paths = []
+    for text in given:
+        found = [text] if Path(text).exists() or not glob.has_magic(text) else sorted(glob.glob(text))
+        if not found:
+            raise ValueError(f"no file fits {text!r}.")
+        paths += found
+    return list(dict.fromkeys(paths))
+
+
+def _outputs(args: Namespace, paths: Sequence[str]) -> list[Path | None]:
+    """Where the attitude of each input goes: a file, or files named like the inputs in a folder."""
+    if args.to is not None:
+        choice("--to", args.to, _FORMATS)
+    if args.output is None:
+        return [None] * len(paths)
+    place = Path(args.output)
+    if len(paths) == 1 and not place.is_dir() and not args.output.endswith("/"):
+        outputs = [place]
+    else:
+        if place.exists() and not place.is_dir():
+            raise ValueError(f"-o must be a folder for {len(paths)} inputs; {place} is a file.")
+        place.mkdir(parents=True, exist_ok=True)
+        outputs = [place / f"{Path(path).stem}.{args.to or 'tum'}" for path in paths]
+    for path, output in zip(paths, outputs, strict=True):
+        if outputs.count(output) > 1:
+            raise ValueError(
+                f"two inputs would be written to {output}. Estimate them into folders of their own."
+            )
+        if output.exists() and output.samefile(path):
+            raise ValueError(f"-o {output} is the input itself. Choose another name.")
+    return list(outputs)
+
+
+def _recording(path: str, content: Any, args: Namespace) -> ImuRecording:
+    """The IMU's part in our axes; units that cannot be are refused unless they are trusted."""
+    data = content.recording if isinstance(content, Trial) else content
+    if not isinstance(data, ImuRecording):
+        raise ValueError(
+            f"{path} holds {type(data).__name__}, not an IMU recording. Say --kind imu if it has both."
+        )
+    recording = to_enu_flu(data, args.frame)
+    impossible = impossible_units(recording)
+    if impossible and not args.trust_units:
+        raise ValueError(
+            f"{path}: {' And '.join(impossible)} Name the unit (--column accel_x='ax [g]'), "
+            "or insist with --trust-units."
+        )
+    for doubt in unit_doubts(recording):
+        sys.stderr.write(f"kreisel: note: {path}: {doubt}\n")
+    return recording
+
+
+def _summary(
+    path: str, output: Path | None, recording: ImuRecording, attitude: AttitudeHistory, is_trial: bool
+) -> dict[str, Any]:
+    clock = clock_of(attitude.t, attitude.t0_ns)
+    shares = {name: getattr(attitude, name) for name in ("rest", "disturbed", "held")}
+    bias = attitude.gyro_bias
+    return {
+        "file": path,
+        "output": None if output is None else str(output),
+        "samples": clock.rows,
+        "span_s": clock.span,
+        "rate_hz": clock.rate_hz if clock.rows > 1 else None,
+        "magnetometer": recording.mag_uT is not None,
+        **{f"{name}_share": None if flag is None else float(np.mean(flag)) for name, flag in shares.items()},
+        "gyro_bias_deg_s": None if bias is None else np.degrees(bias[-1]).tolist(),
+        "has_reference": is_trial,
+    }
+
+
+def _described(args: Namespace) -> dict[str, Any]:
+    return {
+        "name": args.filter,
+        "mode": args.mode,
+        "set": args.set,
+        "declination_deg": args.declination_deg or 0.0,
+    }
+
+
+def _print(args: Namespace, files: Sequence[dict[str, Any]]) -> None:
+    from kreisel.cli.tables import print_table
+
+    north = "true" if args.declination_deg is not None else "magnetic"
+    print(
+        f"{args.filter}, {args.mode or 'auto'}{''.join(f', {pair}' for pair in args.set)}; north is {north} north\n"
+    )
+    header = [
+        "recording",
+        "samples",
+        "span, s",
+        "rate, Hz",
+        "at rest",
+        "disturbed",
+        "held",
+        "gyro bias, deg/s",
+    ]
+    print_table(header, [_row(file) for file in files])
+    written = [file for file in files if file["output"] is not None]
+    if written:
+        print(
+            "\nwritten: "
+            + (written[0]["output"] if len(written) == 1 else f"{len(written)} files in {args.output}")
+        )
+    else:
+        print("\nnothing written: -o attitude.tum keeps the attitude")
+    print("next: " + _next(files[0]))
+
+
+def _row(file: dict[str, Any]) -> list[str]:
+    shares = [file[f"{name}_share"] for name in ("rest", "disturbed", "held")]
+    if not file["magnetometer"]:
+        shares[1] = None
+    bias = file["gyro_bias_deg_s"]
+    return [
+        file["file"],
+        str(file["samples"]),
+        f"{file['span_s']:.4g}",
+        "-" if file["rate_hz"] is None else f"{file['rate_hz']:.4g}",
+        *("-" if share is None else f"{100.0 * share:.3g} %" for share in shares),
+        "-" if bias is None else " ".join(f"{x:+.3f}" for x in bias),
+    ]
+
+
+def _next(file: dict[str, Any]) -> str:
+    truth = file["file"] if file["has_reference"] else "TRUTH"
+    return f"kreisel evaluate {truth} {file['output'] or 'attitude.tum'} -o report/"
