@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from kreisel.data.attitude import AttitudeHistory, Mask
@@ -9,34 +11,53 @@ from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.recording import ImuRecording
 from kreisel.estimate import filters as at
 from kreisel.estimate.filters import Array
-from kreisel.maths.kernels import kernel
+from kreisel.maths.kernels import argument, kernel
 
 # A matrix whose products of rows are that near to those of a rotation is left alone.
 _ROUNDING = 1e-12
 
 
-def history(recording: ImuRecording, answers: Array) -> AttitudeHistory:
-    """Attitude, bias, acceleration and flags from answers (n, ANSWER) to the samples of `recording`."""
-    n = len(recording)
-    R, bias, a_N, flags = np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 3)), np.empty((3, n), np.bool_)
-    unpack(answers, recording.accel, R, bias, a_N, flags)
-    rest, disturbed, held = flags
-    return AttitudeHistory(
-        recording.t,
-        R,
-        gyro_bias=bias,
-        a_N=a_N,
-        rest=rest,
-        disturbed=disturbed,
-        held=held,
-        t0_ns=recording.t0_ns,
-        name=recording.name,
-    )
+class Columns(NamedTuple):
+    """What a filter says of (n,) samples, or of (runs, n)."""
+
+    R_NS: Array  # (n, 3, 3)
+    gyro_bias: Array  # (n, 3) rad/s
+    a_N: Array  # (n, 3) m/s^2
+    rest: Mask  # (n,)
+    disturbed: Mask  # (n,)
+    held: Mask  # (n,)
+
+    @classmethod
+    def of(cls, *shape: int) -> Columns:
+        """Room for so many."""
+        R, bias, a_N = (np.empty((*shape, *of_one)) for of_one in ((3, 3), (3,), (3,)))
+        rest, disturbed, held = np.empty((3, *shape), np.bool_)
+        return cls(R, bias, a_N, rest, disturbed, held)
+
+    def fill(self, rows: slice, answers: Array, accel: Array) -> None:
+        """Put answers (m, ANSWER) to `rows` of accel (n, 3) in their place."""
+        R, bias, a_N = self.R_NS[rows], self.gyro_bias[rows], self.a_N[rows]
+        unpack(
+            answers,
+            argument(accel[rows]),
+            R,
+            bias,
+            a_N,
+            self.rest[rows],
+            self.disturbed[rows],
+            self.held[rows],
+        )
+
+    def history(self, recording: ImuRecording) -> AttitudeHistory:
+        """The same beside the time of `recording`."""
+        return AttitudeHistory(recording.t, **self._asdict(), t0_ns=recording.t0_ns, name=recording.name)
 
 
 @kernel
-def unpack(answers: Array, accel: Array, R: Array, bias: Array, a_N: Array, flags: Mask) -> None:
-    """Fill R (n, 3, 3), bias (n, 3), a_N (n, 3) and flags (3, n) from answers (n, ANSWER) and accel (n, 3).
+def unpack(
+    answers: Array, accel: Array, R: Array, bias: Array, a_N: Array, rest: Mask, disturbed: Mask, held: Mask
+) -> None:
+    """Fill the Columns of n samples from answers (n, ANSWER) and accel (n, 3).
 
     a_N is the specific force in N less gravity, of this one sample: nothing is smoothed.
     """
@@ -50,9 +71,9 @@ def unpack(answers: Array, accel: Array, R: Array, bias: Array, a_N: Array, flag
             force = R[k, i, 0] * accel[k, 0] + R[k, i, 1] * accel[k, 1] + R[k, i, 2] * accel[k, 2]
             a_N[k, i] = force - STANDARD_GRAVITY if i == 2 else force
         bits = int(answers[k, at.FLAGS])
-        flags[0, k] = bits & at.REST
-        flags[1, k] = bits & at.DISTURBED
-        flags[2, k] = bits & at.HELD
+        rest[k] = bits & at.REST
+        disturbed[k] = bits & at.DISTURBED
+        held[k] = bits & at.HELD
 
 
 @kernel

@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.recording import ImuRecording
 from kreisel.estimate import filters as at
-from kreisel.estimate.answers import history
+from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters import Array, AttitudeFilter
 from kreisel.maths.kernels import argument
+
+# Samples whose answers fit the L2 cache (0.5 MB), from where they are unpacked.
+_BLOCK = 4096
 
 
 def run(filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None = None) -> AttitudeHistory:
     """The attitude at every sample of `recording`, the first one from R_NS (3, 3) or from the first samples.
 
+    Its a_N is the specific force of each sample in N less gravity, not smoothed; NaN where the sample is missing.
     Raises ValueError where the filter needs a magnetometer that the recording does not have.
     """
-    return history(recording, _answers(filter, recording, R_NS))
+    columns = Columns.of(len(recording))
+    for rows, answers in _blocks(filter, recording, R_NS):
+        columns.fill(rows, answers, recording.accel)
+    return columns.history(recording)
 
 
 def run_both(
@@ -28,25 +37,40 @@ def run_both(
     The second is the first with all turns about up taken back that the magnetometer asked for: its heading starts
     at zero and drifts, less than that of a run which never saw a magnetometer and learned no bias from it.
     """
-    answers = _answers(filter, recording, R_NS)
-    without = answers.copy()
-    c, s = np.cos(answers[:, at.HEADING]), np.sin(answers[:, at.HEADING])
-    east, north = answers[:, 0:3], answers[:, 3:6]
-    without[:, 0:3] = c[:, None] * east + s[:, None] * north
-    without[:, 3:6] = c[:, None] * north - s[:, None] * east
-    return history(recording, answers), history(recording, without)
+    whole, without = Columns.of(len(recording)), Columns.of(len(recording))
+    for rows, answers in _blocks(filter, recording, R_NS):
+        whole.fill(rows, answers, recording.accel)
+        c, s = np.cos(answers[:, at.HEADING, None]), np.sin(answers[:, at.HEADING, None])
+        east, north = answers[:, 0:3].copy(), answers[:, 3:6].copy()
+        answers[:, 0:3] = c * east + s * north
+        answers[:, 3:6] = c * north - s * east
+        without.fill(rows, answers, recording.accel)
+    return whole.history(recording), without.history(recording)
 
 
-def _answers(filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None) -> Array:
-    mag = recording.mag_uT
+def readings(
+    filter: AttitudeFilter, t: Array, gyro: Array, accel: Array, mag: Array | None
+) -> tuple[Array, Array, Array, Array]:
+    """t, gyro, accel and mag as kernels take them; NaN in place of a magnetometer that is not needed."""
     if mag is None:
         if filter.needs_mag:
             raise ValueError(
                 "this filter needs a magnetometer and the recording has none. "
                 'Give mag_uT, or a mode without it (mode="6").'
             )
-        mag = np.full_like(recording.gyro, np.nan)
-    answers = np.empty((len(recording), at.ANSWER))
-    t, gyro, accel, mag = (argument(x) for x in (recording.t, recording.gyro, recording.accel, mag))
-    filter.batch(filter.start(R_NS), filter.parameters(), t, gyro, accel, mag, answers)
-    return answers
+        mag = np.full_like(gyro, np.nan)
+    return argument(t), argument(gyro), argument(accel), argument(mag)
+
+
+def _blocks(
+    filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None
+) -> Iterator[tuple[slice, Array]]:
+    """Rows of the recording and their answers (m, ANSWER), block by block; the next block overwrites them."""
+    n = len(recording)
+    inputs = readings(filter, recording.t, recording.gyro, recording.accel, recording.mag_uT)
+    state, parameters = filter.start(R_NS), filter.parameters()
+    block = np.empty((min(n, _BLOCK), at.ANSWER))
+    for first in range(0, n, _BLOCK):
+        answers = block[: n - first]
+        filter.batch(state, parameters, *inputs, first, answers)
+        yield slice(first, first + len(answers)), answers

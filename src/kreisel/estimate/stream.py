@@ -17,7 +17,7 @@ from kreisel import discovery
 from kreisel.data.atomic import replacing
 from kreisel.data.checks import read_only
 from kreisel.estimate import filters as at
-from kreisel.estimate.answers import unpack
+from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters import Array, AttitudeFilter
 
 FILTERS = "kreisel.estimate.filters"
@@ -107,16 +107,11 @@ class Stream:
 
     def snapshot(self) -> Snapshot:
         """Everything that is known now, as a value of its own."""
-        R, bias, a_N, flags = (
-            np.empty((1, 3, 3)),
-            np.empty((1, 3)),
-            np.empty((1, 3)),
-            np.empty((3, 1), np.bool_),
-        )
-        unpack(self._state[None, : at.ANSWER], read_only(self._sample[None, 3:6]), R, bias, a_N, flags)
-        rest, disturbed, held = map(bool, flags[:, 0])
-        R_NS, gyro_bias, linear = read_only(R[0]), read_only(bias[0]), read_only(a_N[0])
-        return Snapshot(R_NS, gyro_bias, linear, self.heading_offset, rest, disturbed, held)
+        columns = Columns.of(1)
+        columns.fill(slice(1), self._state[None, : at.ANSWER], self._sample[None, 3:6])
+        R_NS, gyro_bias, a_N = columns.R_NS[0], columns.gyro_bias[0], columns.a_N[0]
+        flags = (bool(column[0]) for column in (columns.rest, columns.disturbed, columns.held))
+        return Snapshot(read_only(R_NS), read_only(gyro_bias), read_only(a_N), self.heading_offset, *flags)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write filter, tuning and state to an NPZ archive, the whole file or none, from which `load` goes on.

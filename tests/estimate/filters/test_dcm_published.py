@@ -59,7 +59,7 @@ def test_a_hundred_thousand_steps_stay_with_the_document_s(rng: np.random.Genera
     # `run` returns the nearest rotations, while the document's axes are off by dtheta^4: compare what it steps.
     filter, answers = DcmFilter.as_published(*WEIGHTS), np.empty((len(recording), ANSWER))
     inputs = (recording.t, recording.gyro, recording.accel, recording.mag_uT)
-    filter.batch(filter.start(), filter.parameters(), *inputs, answers)
+    filter.batch(filter.start(), filter.parameters(), *inputs, 0, answers)
     # Differences of 1e-15 per step are forgotten within 100 steps, so that this leaves room for ten thousand.
     assert np.abs(answers[:, :9].reshape(-1, 3, 3) - by_the_document(recording, WEIGHTS)).max() < 1e-9
 
