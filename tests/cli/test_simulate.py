@@ -1,5 +1,7 @@
 """`kreisel simulate` and `kreisel demo` as a user runs them, with good files and bad ones."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -60,6 +62,19 @@ def test_rate_mounts_and_orientation(poses, tmp_path):
     # the sensor in the tail reads the mirror image.
     np.testing.assert_allclose(nose.accel, np.tile([-0.5, 2.0, 9.80665], (len(nose), 1)), atol=1e-5)
     np.testing.assert_allclose(tail.accel, np.tile([-0.5, -2.0, 9.80665], (len(tail), 1)), atol=1e-5)
+
+
+def test_check_integrates_the_data_back(poses, tmp_path, capsys):
+    out = str(tmp_path / "out")
+    imus = ["--imu", "nose:0.5,0,0", "--imu", "tail:-0.5,0,0"]
+    assert main(["simulate", str(poses), "-o", out, "--no-pictures", "--check", *imus]) == 0
+    text = capsys.readouterr().out
+    found = re.findall(r"(\w+) (rates|increments) +(\S+) m, (\S+) m/s, (\S+) deg", text)
+    assert [(name, kind) for name, kind, *_ in found] == [
+        (name, kind) for name in ("nose", "tail") for kind in ("rates", "increments")
+    ]
+    # A circle at constant rate, 50 samples a radian, back to what its spline knows of it over 4 s.
+    assert all(float(p) < 1e-6 and float(v) < 1e-6 and float(turn) < 1e-6 for *_, p, v, turn in found)
 
 
 def test_ned_in_and_out(poses, tmp_path):

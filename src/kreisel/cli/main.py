@@ -27,7 +27,8 @@ try it:
   kreisel info poses.csv                  what is in a file
   kreisel simulate poses.csv -o out/      IMU data of your own path
   kreisel run scenario.toml -o out/       a whole study from one file
-  kreisel evaluate truth.csv att.csv      errors of an estimated attitude
+  kreisel estimate imu.csv -o att.tum     attitude from IMU data
+  kreisel evaluate truth.csv att.tum      errors of that attitude
 """
 
 

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from kreisel.data.motion import Motion, Mount, Note
 from kreisel.files.doors import write
 
 if TYPE_CHECKING:
     from kreisel.data.recording import ImuRecording
+    from kreisel.simulate.imu import Imu
 
 # Shown of each kind of note; a path with a thousand reversals must not bury the summary.
 _NOTES_SHOWN = 4
@@ -31,7 +35,7 @@ def write_simulation(
     from kreisel.data.frames import from_enu_flu
 
     check_names([recording.name for recording in recordings])
-    _make_folder(folder)
+    make_folder(folder)
     lines = []
     for recording in recordings:
         path = folder / f"{recording.name}.{_SUFFIX.get(imu_format, imu_format)}"
@@ -54,7 +58,8 @@ def write_simulation(
     return lines
 
 
-def _make_folder(folder: Path) -> None:
+def make_folder(folder: Path) -> None:
+    """Make `folder` and those above it; OSError, one sentence, where that cannot be."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -103,6 +108,23 @@ def describe_notes(notes: Sequence[Note]) -> list[str]:
             lines.append(
                 f"... and {len(same) - len(shown)} more of this kind, the last at {same[-1].t:.6g} s"
             )
+    return lines
+
+
+def describe_round_trip(imu: Imu, motion: Motion) -> list[str]:
+    """Lines of "name  errors" for ideal rates and increments of `imu`, each integrated back over all of `motion`.
+
+    Rates show what is lost between the samples. Increments have no error of method in attitude and velocity; their
+    position, integrated from velocity, shows whether the path and its derivative are one.
+    """
+    from kreisel.study.round_trip import round_trip
+
+    truth, lines = motion.at(imu.mount), []
+    increments = replace(imu.increments(motion), dp=None)
+    for kind, recording in (("rates", imu.ideal(motion)), ("increments", increments)):
+        errors = round_trip(recording, truth, imu.environment)
+        p, v, turn = (float(x.max()) for x in (errors.position, errors.velocity, errors.attitude))
+        lines.append(f"{imu.mount.name} {kind}  {p:.2g} m, {v:.2g} m/s, {np.rad2deg(turn):.2g} deg")
     return lines
 
 

@@ -15,9 +15,12 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 """float64 array; its shape, unit and frame are in the comment beside it."""
 
+SAME_INSTANT = 1e-7
+"""Stamps this close (s) are the same instant: files round to a nanosecond or so, clocks jitter by more."""
+
 
 def read_only(x: Array) -> Array:
-    """A view of `x` that cannot be written to."""
+    """A view of `x` that cannot be written to; nouns take such a view as it is, without a copy."""
     view = x.view()
     view.flags.writeable = False
     return view
@@ -35,9 +38,12 @@ def as_array(name: str, value: Any) -> Array:
 def shaped(name: str, value: Any, shape: Sequence[int | str]) -> Array:
     """`value` as a read-only array of `shape`; letters such as "n" stand for any length.
 
+    An array that its owner could still write to is copied: what a noun holds does not change behind its back.
     Raises ValueError naming the shape received and, where it would fit, the transpose.
     """
     array = as_array(name, value)
+    if isinstance(value, np.ndarray) and value.flags.writeable and np.may_share_memory(array, value):
+        array = array.copy()
     if not _fits(array.shape, shape):
         wanted = "(" + ", ".join(map(str, shape)) + ("," if len(shape) == 1 else "") + ")"
         hint = f" Did you mean {name}.T?" if array.ndim > 1 and _fits(array.T.shape, shape) else ""
@@ -152,3 +158,40 @@ def choice(name: str, value: Any, options: Sequence[str]) -> str:
     near = begun or difflib.get_close_matches(str(value), options, n=1)
     hint = f" Did you mean {near[0]!r}?" if near else ""
     raise ValueError(f"{name} must be one of {', '.join(map(repr, options))}; got {value!r}.{hint}")
+
+
+LARGEST = float(np.finfo(np.float64).max)
+"""Upper bound of a number that must be finite."""
+
+
+def per_axis(name: str, value: Any, unit: str, lowest: float = -LARGEST, highest: float = LARGEST) -> Array:
+    """`value`, one number or one per axis, as a read-only array (3,); ValueError outside [lowest, highest]."""
+    array = as_array(name, value)
+    if array.shape not in ((), (3,)):
+        raise ValueError(f"{name} must be one number or three, one per axis, {unit}; got {array.shape}.")
+    if not ((array >= lowest) & (array <= highest)).all():
+        raise ValueError(f"{name} must be {_between(lowest, highest)}, {unit}; got {array}.")
+    return read_only(np.full(3, array))
+
+
+def number(name: str, value: Any, unit: str, lowest: float = -LARGEST, highest: float = LARGEST) -> float:
+    """`value` as a float, or a ValueError outside [lowest, highest] that names the unit."""
+    array = as_array(name, value)
+    if array.shape != () or not lowest <= float(array) <= highest:
+        raise ValueError(f"{name} must be one number, {_between(lowest, highest)}, {unit}; got {value!r}.")
+    return float(array)
+
+
+def _between(lowest: float, highest: float) -> str:
+    if highest < LARGEST:
+        return f"from {lowest:g} to {highest:g}"
+    return "finite" if lowest == -LARGEST else f"{lowest:g} or more"
+
+
+def regular(name: str, value: Any, unit: str) -> Array:
+    """`value` as a read-only matrix (3, 3), or a ValueError where it loses a direction."""
+    matrix = finite(name, shaped(name, value, (3, 3)))
+    # Columns that agree to eight digits cannot be told apart by any sensor.
+    if not np.linalg.cond(matrix) < 1e8:
+        raise ValueError(f"{name} must not be singular, {unit}; it loses a direction: {matrix.tolist()}.")
+    return matrix

@@ -91,7 +91,7 @@ def clock_of(t: Array, t0_ns: int) -> Clock:
 
 
 def unit_doubts(recording: ImuRecording) -> list[str]:
-    """Sentences about units and axes that cannot be right, each naming the likely one; empty if none."""
+    """Sentences about units and axes that look wrong, each naming the likely one; empty if none."""
     doubts = impossible_units(recording)
     fastest = _largest_norm(recording.gyro)
     # A few such samples may be faults.
@@ -103,7 +103,7 @@ def unit_doubts(recording: ImuRecording) -> list[str]:
 
 
 def impossible_units(recording: ImuRecording) -> list[str]:
-    """Those sentences about units with which no attitude can come out right: of accelerometer and gyroscope."""
+    """Those of the doubts that make every attitude wrong: units of the accelerometer and the gyroscope."""
     doubts = []
     force = _median_norm(recording.accel)
     for unit, one in (("g", 1.0), ("mg or cm/s^2", 1e3)):

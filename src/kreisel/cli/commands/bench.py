@@ -141,9 +141,10 @@ def _cells(score: Score) -> list[str]:
 
 def _write(folder: Path, report: dict[str, Any], scores: Sequence[Score]) -> None:
     from kreisel import show
+    from kreisel.cli.outputs import make_folder
     from kreisel.files.atomic import replacing
 
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     with replacing(folder / "scores.json") as out:
         out.write((json.dumps(report, indent=2, allow_nan=False) + "\n").encode())
     show.save(show.plot_broad(scores), folder / "scores.png")

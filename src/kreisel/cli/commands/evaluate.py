@@ -205,9 +205,10 @@ def _write(
 ) -> list[str]:
     """Write summary and pictures; one line for each."""
     from kreisel import show
+    from kreisel.cli.outputs import make_folder
     from kreisel.files.atomic import replacing
 
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     with replacing(folder / "summary.json") as out:
         out.write((json.dumps(report, indent=2, allow_nan=False) + "\n").encode())
     show.save(show.plot_attitude(estimate, truth), folder / "attitude.png")

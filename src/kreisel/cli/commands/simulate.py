@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from kreisel.cli.inputs import add_input_arguments, read_input
-from kreisel.cli.outputs import aligned, describe_notes, write_simulation
+from kreisel.cli.outputs import aligned, describe_notes, describe_round_trip, write_simulation
 from kreisel.data.checks import choice
 from kreisel.data.frames import WORLDS
 from kreisel.data.motion import Mount
@@ -23,6 +23,7 @@ examples:
   kreisel simulate poses.tum -o out/ --rate 400 --imu wrist:0.02,0,0.05
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
   kreisel simulate flight.csv -o out/ --frame ned-frd
+  kreisel simulate poses.csv -o out/ --rate 1000 --check
 """
 
 
@@ -46,6 +47,11 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument("--imu-format", default="csv", help="csv (default), npz, mat or euroc-imu")
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.add_argument("--animation", action="store_true", help="also write motion.gif")
+    parser.add_argument(
+        "--check",
+        action="store_true",
+        help="integrate the IMU data back from the first pose and print how far that ends up from the truth",
+    )
     parser.epilog = _EXAMPLES
 
 
@@ -78,6 +84,9 @@ def run(args: Namespace) -> int:
     print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
     print(f"written in {time.perf_counter() - started:.1f} s:")
     print(aligned(lines))
+    if args.check:
+        print("integrated back from the first pose, the largest errors are:")
+        print(aligned([line for mount in mounts for line in describe_round_trip(Imu(mount), motion)]))
     return 0
 
 

@@ -13,6 +13,7 @@ from kreisel.data.checks import (
     choice,
     finite,
     increasing,
+    read_only,
     rotations,
     same_length,
     shaped,
@@ -118,6 +119,7 @@ class SampledTrajectory:
             R, omega, alpha = quaternion_motion(*attitude(times, 2))
             notes = (attitude_note,)
         p, v, a = position(times, 2)
+        p, v, a, R, omega, alpha = map(read_only, (p, v, a, R, omega, alpha))
         return Motion(times, p, v, a, R, omega, alpha, self.t0_ns, self.name, (position_note, *notes))
 
     def _along(self, position: Signal, times: Array) -> tuple[Attitude, tuple[Note, ...]]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from kreisel.data.atomic import replacing
+from kreisel.files.atomic import replacing
 
 
 def test_bytes_appear_when_the_block_ends(tmp_path: Path) -> None:
