@@ -184,7 +184,7 @@ def file_name(name: str, value: Any) -> str:
     return value
 
 
-def number(name: str, value: Any, above: float | None = None, zero: bool = True) -> float:
+def finite_number(name: str, value: Any, above: float | None = None, zero: bool = True) -> float:
     """`value` as a finite float, or a ValueError: not above `above`, or 0 where that has no meaning."""
     try:
         x = np.nan if isinstance(value, bool | str) else float(value)
