@@ -242,6 +242,10 @@ def test_the_demo_makes_what_it_says(tmp_path, capsys):
         "angular.png",
         "imu.png",
         "motion.gif",
+        "eight_imu.csv",
+        "eight_attitude.tum",
+        "eight_attitude.png",
+        "eight_errors.png",
     }
     assert {p.name for p in tmp_path.iterdir()} == names
     assert all(name in text for name in names)
