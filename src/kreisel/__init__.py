@@ -22,10 +22,12 @@ Time is float64 seconds after ``t0_ns``, an integer epoch in nanoseconds.
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
+# Type checkers take it for true. Loading `typing` would take longer than all else up to the first line of the
+# command line, which answers to Ctrl-C only from there on.
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from kreisel.data.attitude import AttitudeHistory as AttitudeHistory
     from kreisel.data.attitude import Reference as Reference
     from kreisel.data.environment import Environment as Environment
@@ -110,6 +112,8 @@ __all__ = ["__version__", *sorted(_HOMES)]
 
 def __getattr__(name: str) -> Any:
     if name in _HOMES:
+        from importlib import import_module
+
         return getattr(import_module(_HOMES[name]), name)
     raise AttributeError(f"module 'kreisel' has no attribute {name!r}")
 
