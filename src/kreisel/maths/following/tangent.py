@@ -206,8 +206,8 @@ def _norm(d: Array, order: int, k: int, axes: int) -> float:
 def _leading(d: Array, k: int, axes: int, speed: float, rate: float, instant: float) -> tuple[int, float]:
     """Index of the derivative in row k, first `axes` components, that the movement begins with; -1 at rest.
 
-    And the time it takes to lift the velocity above round-off. It is the one that lifts the velocity above round-off first. Comparing derivatives with fixed thresholds
-    instead would take the tail of a slow beginning for a reversal.
+    And the time it takes to lift the velocity above round-off; it is the first to do so. Comparing
+    derivatives with fixed thresholds instead would take the tail of a slow beginning for a reversal.
     """
     nil = speed + instant * (_norm(d, 1, k, axes) + _norm(d, 2, k, axes) / rate)
     if _norm(d, 0, k, axes) > nil:
