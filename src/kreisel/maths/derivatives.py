@@ -30,6 +30,9 @@ UNKNOWN = 20.0
 # at degree 9); samples whose noise is too small to be smoothed stay under this share of the largest speed.
 _RINGS, _MEMORY, _AT_MOST = 0.3, 20, 1e-3
 
+# The two degrees differ by 0.01 of a step of velocity, and by 1e-5 of a smooth one at 20 samples a period.
+_CORNER = 2e-3
+
 
 class Signal(Protocol):
     """A function of time that knows its derivatives."""
@@ -93,6 +96,14 @@ class Interpolation(SplineSignal):
         at[:-1] = np.maximum(at[:-1], between)
         # Both ring with alternating sign, and cross each other now and then.
         return np.asarray(maximum_filter1d(at, 7))
+
+    @property
+    def corners(self) -> Array:
+        """Times (m,) s around which this rings for a step in the first derivative of the samples."""
+        size = np.linalg.norm(self(self._t, 1)[1], axis=1)
+        loud = np.concatenate([[False], self.ringing > _CORNER * size.max(), [False]])
+        edges = np.flatnonzero(np.diff(loud.astype(np.int8)))
+        return np.asarray(0.5 * (self._t[edges[::2]] + self._t[edges[1::2] - 1]))
 
     @cached_property
     def floor(self) -> Array:

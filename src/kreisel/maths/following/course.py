@@ -160,9 +160,14 @@ class Slowness:
         return np.asarray(np.linalg.norm(self._position(t, 1)[1, :, :axes], axis=1))
 
     def _lowest(self, axes: int) -> Array:
-        """Times between samples at which the speed is lowest."""
-        falling = self._slope(self._t, axes)
-        k = np.flatnonzero((falling[:-1] < 0.0) & (falling[1:] > 0.0))
+        """Times between samples at which the speed is lowest, where that may be under the floor."""
+        _, v, a = self._position(self._t, 2)[:, :, :axes]
+        slope, speed, push = np.sum(v * a, axis=1), np.linalg.norm(v, axis=1), np.linalg.norm(a, axis=1)
+        # Twice what the accelerations at the samples take away in a whole step.
+        within_reach = speed[:-1] <= 2.0 * np.diff(self._t) * np.maximum(push[:-1], push[1:]) + (
+            _CLIMBING * np.maximum(self._floor[:-1], self._floor[1:])
+        )
+        k = np.flatnonzero((slope[:-1] < 0.0) & (slope[1:] > 0.0) & within_reach)
         left, right = self._t[k], self._t[k + 1]
         for _ in range(_HALVINGS if len(k) else 0):
             middle = 0.5 * (left + right)

@@ -20,7 +20,13 @@ from kreisel.data.checks import (
 )
 from kreisel.data.motion import Motion, Note
 from kreisel.data.trajectory import Poses
-from kreisel.maths.derivatives import SECOND_DERIVATIVE_GAIN, Signal, interpolating_spline, noise_level
+from kreisel.maths.derivatives import (
+    SECOND_DERIVATIVE_GAIN,
+    Interpolation,
+    Signal,
+    interpolating_spline,
+    noise_level,
+)
 from kreisel.maths.following.carried import Carried
 from kreisel.maths.following.course import Course
 from kreisel.maths.following.tangent import Attitude
@@ -123,7 +129,7 @@ class SampledTrajectory:
         kind = Carried if self.orientation == "transport" else Course
         course = kind(position, self.t, position.floor)
         lost = (AIMLESS,) if course.aimless else ()
-        return course.attitude(times), (*joint_notes(course.joints()), *lost)
+        return course.attitude(times), (*_corner_notes(position), *joint_notes(course.joints()), *lost)
 
     def _inside(self, times: Array) -> None:
         first, last = self.span
@@ -213,6 +219,18 @@ def _quaternions(orientation: Any, order: str | None) -> Array:
         "orientation must be Euler angles (n, 3), quaternions (n, 4), matrices (n, 3, 3), a SciPy Rotation, "
         f'"tangent" or "transport"; got shape {shape}.'
     )
+
+
+def _corner_notes(position: Signal) -> tuple[Note, ...]:
+    if not isinstance(position, Interpolation) or not position.corners.size:
+        return ()
+    first = ", ".join(f"{t:.4g}" for t in position.corners[:5])
+    more = " and later" if len(position.corners) > 5 else ""
+    text = (
+        f"the samples have corners, or are too far apart, around t = {first}{more} s: the path is interpolated "
+        "smoothly there, and rings"
+    )
+    return (Note("method", text, float(position.corners[0])),)
 
 
 def _tangents(v: Array, orientation: str) -> Array:
