@@ -183,6 +183,8 @@ class DcmFilter:
             at.REST_ACCEL: self.rest_accel,
             at.TRAVEL_SPREAD: self.travel_spread,
             at.TRAVEL_TIME: self.travel_time,
+            # What has this time constant counts once in twice that time.
+            at.TILT_TIME: 2.0 * self.accel_time,
         }
 
     def update(self, state: Array, parameters: Array, sample: Array, dt: float) -> None:

@@ -87,4 +87,5 @@ REST_GYRO = 16  # rad/s
 REST_ACCEL = 17  # m/s^2
 TRAVEL_SPREAD = 18  # m/s
 TRAVEL_TIME = 19  # s
-PARAMETERS = 20
+TILT_TIME = 20  # s, over which a tilt's errors are one
+PARAMETERS = 21
