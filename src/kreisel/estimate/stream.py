@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel import discovery
-from kreisel.data.atomic import replacing
+from kreisel.atomic import replacing
 from kreisel.data.checks import read_only
 from kreisel.estimate import filters as at
 from kreisel.estimate.answers import Columns

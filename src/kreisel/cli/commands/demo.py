@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import time
 from argparse import ArgumentParser, Namespace
-from pathlib import Path
 
 import numpy as np
 
-from kreisel.cli.outputs import aligned, describe_notes, write_simulation
+from kreisel.cli.outputs import (
+    Simulation,
+    aligned,
+    describe_notes,
+    output_folder,
+    simulation_outputs,
+    write_outputs,
+)
 
 HELP = "the whole loop on built-in paths: IMU data, truth, attitude, pictures"
 
@@ -19,14 +25,19 @@ _FIELD_N_UT = (0.0, 18.5, -45.0)
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument(
-        "-o", "--output", default="kreisel-demo", metavar="FOLDER", help="default: kreisel-demo"
+        "-o",
+        "--output",
+        type=output_folder,
+        default="kreisel-demo",
+        metavar="FOLDER",
+        help="default: kreisel-demo",
     )
 
 
 def run(args: Namespace) -> int:
     """Simulate the loop of figure 1, then fly an eight with a noisy IMU and estimate its attitude."""
     started = time.perf_counter()
-    folder = Path(args.output)
+    folder: Path = args.output
     print("1. From a path to IMU data")
     print(
         "   A body flies the loop of figure 1 (0.8 x 0.8 x 0.3 m, 1 Hz), its nose along the path. An IMU sits"
@@ -54,9 +65,10 @@ def _figure_1(folder: Path) -> list[str]:
 
     motion = lissajous().sample(np.arange(1001) / 200.0)
     mount = Mount(p_BS=np.array([-0.075, -0.075, 0.025]))
+    made = Simulation(motion, (mount,), (Imu(mount).ideal(motion),))
     for line in describe_notes(motion.notes):
         print(line)
-    return write_simulation(folder, motion, [mount], [Imu(mount).ideal(motion)], animation=True)
+    return write_outputs(folder, simulation_outputs([mount.name], animation=True), made)
 
 
 def _eight(folder: Path) -> list[str]:

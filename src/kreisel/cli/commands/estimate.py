@@ -6,26 +6,26 @@ import glob
 import json
 import math
 import sys
-import tomllib
 from argparse import ArgumentParser, Namespace
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from kreisel import discovery
 from kreisel.cli.inputs import add_input_arguments, read_content
+from kreisel.cli.outputs import summary_stream
+from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.checks import choice
 from kreisel.data.facts import clock_of, impossible_units, unit_doubts
 from kreisel.data.frames import WORLDS, from_enu_flu, to_enu_flu
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trial import Trial
+from kreisel.files.doors import format_names, write
 
-if TYPE_CHECKING:
-    from kreisel.data.attitude import AttitudeHistory
-
-HELP = "attitude from IMU recordings"
+HELP = "attitude from IMU data, by one of the filters"
 
 SCHEMA = "kreisel.estimate/1"
 FILTERS = "kreisel.estimate.filters"
@@ -41,8 +41,6 @@ examples:
 Without -o the summary is all that is made. TUM files hold the attitude alone; csv, npz and mat also gyro bias,
 acceleration and flags. What the filter assumes of the sensors is in its tuning: --set help lists it.
 """
-
-_FORMATS = ("tum", "csv", "npz", "mat")
 
 
 def configure(parser: ArgumentParser) -> None:
@@ -73,10 +71,16 @@ def configure(parser: ArgumentParser) -> None:
         "--trust-units", action="store_true", help="estimate even where the numbers look like g or deg/s"
     )
     parser.add_argument("-o", "--output", metavar="OUT", help="file, or for several inputs folder, to write")
+    known = ", ".join(format_names(AttitudeHistory))
     parser.add_argument(
-        "--to", metavar="FORMAT", help="tum, csv, npz or mat (default: by OUT's suffix, or tum)"
+        "--to", metavar="FORMAT", help=f"{known} (default: by OUT's suffix, or tum in a folder)"
     )
-    parser.add_argument("--to-frame", default="enu-flu", metavar="WORLD", help="world of the output")
+    parser.add_argument(
+        "--to-frame", metavar="WORLD", help="world of the output (default: that of the input)"
+    )
+    parser.add_argument(
+        "--picture", metavar="PICTURE", help="draw the attitude: .png, .svg or .pdf; one input"
+    )
     parser.add_argument("--json", action="store_true", help="machine-readable summary, with a schema version")
     parser.epilog = _EXAMPLES
 
@@ -84,12 +88,11 @@ def configure(parser: ArgumentParser) -> None:
 def run(args: Namespace) -> int:
     """Read, check, estimate, write, sum up; the first file that is not sound ends the command."""
     from kreisel.estimate.run import run as estimated
-    from kreisel.files.doors import write
 
     if "help" in args.set:
         print(_tuning_help(args.filter))
         return 0
-    choice("--to-frame", args.to_frame, tuple(WORLDS))
+    world = choice("--to-frame", args.to_frame or args.frame, tuple(WORLDS))
     filter, paths = _filter(args), _paths(args.input)
     outputs = _outputs(args, paths)
     files = []
@@ -98,13 +101,21 @@ def run(args: Namespace) -> int:
         recording = _recording(path, content, args)
         attitude = estimated(filter, recording)
         if output is not None:
-            write(output, from_enu_flu(attitude, args.to_frame), args.to)
+            write(output, from_enu_flu(attitude, world), args.to)
+        if args.picture is not None:
+            _draw(attitude, args.picture)
         files.append(_summary(path, output, recording, attitude, is_trial=isinstance(content, Trial)))
     if args.json:
         print(json.dumps({"schema": SCHEMA, "filter": _described(args), "files": files}, indent=2))
     else:
-        _print(args, files)
+        print("\n".join(_told(args, files)), file=summary_stream(args.output or ""))
     return 0
+
+
+def _draw(attitude: AttitudeHistory, picture: str) -> None:
+    from kreisel import show
+
+    show.save(show.plot_attitude(attitude), picture)
 
 
 def _names() -> list[str]:
@@ -119,32 +130,42 @@ def _filter(args: Namespace) -> Any:
     """The filter with the tuning asked for, each key and value checked."""
     from kreisel.study.signature import Place, call
 
-    tuning = _table(args.set)
+    make = _make(args.filter)
+    tuning = parse_settings(
+        args.set, {field.name for field in fields(make) if isinstance(field.default, str)}
+    )
     if args.mode is not None:
         tuning["mode"] = args.mode
     if args.declination_deg is not None:
         tuning["declination"] = math.radians(args.declination_deg)
-    return call(_make(args.filter), tuning, Place("--set"))
+    return call(make, tuning, Place("--set"))
 
 
-def _table(pairs: Sequence[str]) -> dict[str, Any]:
-    """{"published": {"exact": True}} from ["published.exact=true"]; values are TOML's, or bare words."""
-    table: dict[str, Any] = {}
+def parse_settings(pairs: Sequence[str], texts: Collection[str] = ()) -> dict[str, Any]:
+    """{"mode": "6", "published": {"exact": True}} from ["mode=6", "published.exact=true"].
+
+    Values are those of TOML, or bare words.
+    texts : names whose value is a text even where it looks like a number.
+    """
+    settings: dict[str, Any] = {}
     for pair in pairs:
-        key, equals, value = (part.strip() for part in pair.partition("="))
-        *folders, last = key.split(".")
-        if not equals or not value or not all([*folders, last]):
-            raise ValueError(f"--set takes KEY=VALUE, such as accel_time=5; got {pair!r}.")
-        inner = table
-        for folder in folders:
-            inner = inner.setdefault(folder, {})
+        name, equals, value = (part.strip() for part in pair.partition("="))
+        *tables, last = name.split(".")
+        if not equals or not value or not all([*tables, last]):
+            raise ValueError(f"--set takes NAME=VALUE, such as --set accel_time=3; got {pair!r}.")
+        inner = settings
+        for table in tables:
+            inner = inner.setdefault(table, {})
             if not isinstance(inner, dict):
-                raise ValueError(f"--set {pair}: {folder} has been given a value already.")
-        inner[last] = _value(value)
-    return table
+                raise ValueError(f"--set {pair}: {table} has a value already.")
+        parsed = _value(value)
+        inner[last] = value if name in texts and not isinstance(parsed, str) else parsed
+    return settings
 
 
 def _value(text: str) -> Any:
+    import tomllib
+
     try:
         return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
@@ -175,7 +196,9 @@ def _paths(given: Sequence[str]) -> list[str]:
 def _outputs(args: Namespace, paths: Sequence[str]) -> list[Path | None]:
     """Where the attitude of each input goes: a file, or files named like the inputs in a folder."""
     if args.to is not None:
-        choice("--to", args.to, _FORMATS)
+        choice("--to", args.to, format_names(AttitudeHistory))
+    if args.picture is not None and len(paths) > 1:
+        raise ValueError(f"--picture is for one input; got {len(paths)}.")
     if args.output is None:
         return [None] * len(paths)
     place = Path(args.output)
@@ -191,7 +214,7 @@ def _outputs(args: Namespace, paths: Sequence[str]) -> list[Path | None]:
             raise ValueError(
                 f"two inputs would be written to {output}. Estimate them into folders of their own."
             )
-        if output.exists() and output.samefile(path):
+        if output.exists() and output.samefile(path) and output.is_file():
             raise ValueError(f"-o {output} is the input itself. Choose another name.")
     return list(outputs)
 
@@ -243,13 +266,12 @@ def _described(args: Namespace) -> dict[str, Any]:
     }
 
 
-def _print(args: Namespace, files: Sequence[dict[str, Any]]) -> None:
-    from kreisel.cli.tables import print_table
+def _told(args: Namespace, files: Sequence[dict[str, Any]]) -> list[str]:
+    """The summary, with what to do next."""
+    from kreisel.cli.tables import plain
 
     north = "true" if args.declination_deg is not None else "magnetic"
-    print(
-        f"{args.filter}, {args.mode or 'auto'}{''.join(f', {pair}' for pair in args.set)}; north is {north} north\n"
-    )
+    tuning = "".join(f", {pair}" for pair in args.set)
     header = [
         "recording",
         "samples",
@@ -260,16 +282,13 @@ def _print(args: Namespace, files: Sequence[dict[str, Any]]) -> None:
         "held",
         "gyro bias, deg/s",
     ]
-    print_table(header, [_row(file) for file in files])
-    written = [file for file in files if file["output"] is not None]
-    if written:
-        print(
-            "\nwritten: "
-            + (written[0]["output"] if len(written) == 1 else f"{len(written)} files in {args.output}")
-        )
+    lines = [f"{args.filter}, mode {args.mode or 'auto'}{tuning}; north is {north} north", ""]
+    lines += [*plain(header, [_row(file) for file in files]), ""]
+    if args.output is None:
+        lines.append("nothing written: -o attitude.tum keeps the attitude")
     else:
-        print("\nnothing written: -o attitude.tum keeps the attitude")
-    print("next: " + _next(files[0]))
+        lines.append(f"written: {args.output if len(files) > 1 else files[0]['output']}")
+    return [*lines, "next: " + _next(files[0])]
 
 
 def _row(file: dict[str, Any]) -> list[str]:
