@@ -36,7 +36,7 @@ class Carried:
     """
 
     def __init__(self, position: Signal, t: Array, floor: Array) -> None:
-        self._position = position
+        self._position, self._step = position, float(np.median(np.diff(t)))
         slow = Slowness(position, t, floor)
         self._rest = slow.stretches(slow.altogether)
         self.aimless = self._rest.everywhere
@@ -57,7 +57,7 @@ class Carried:
         """Attitude at increasing times t (n,), each one step from the node before it."""
         if self.aimless:
             return Attitude(np.tile(np.eye(3), (len(t), 1, 1)), np.zeros((len(t), 3)), np.zeros((len(t), 3)))
-        when, at_rest = self._rest.moving(t)
+        when, _ = self._rest.moving(t)
         k = np.clip(np.searchsorted(self._nodes, when, side="right") - 1, 0, len(self._nodes) - 1)
         _, v, a, j = self._position(when, 3)
         R = np.ascontiguousarray(self._R[k])
@@ -68,8 +68,9 @@ class Carried:
         omega, alpha = (np.einsum("nji,nj->ni", R, vector) for vector in (kappa, dkappa))
         # Zero by construction; what is left is round-off of the projection.
         omega[:, 0] = alpha[:, 0] = 0.0
-        omega[at_rest] = alpha[at_rest] = 0.0
-        return Attitude(R, omega, alpha)
+        out = Attitude(R, omega, alpha)
+        self._rest.settle(out, t, self._step, self.attitude)
+        return out
 
     def joints(self) -> Joints:
         """Where the body is brought back into line with a jump: after a rest, and where the path breaks."""

@@ -55,6 +55,19 @@ class Stretches(NamedTuple):
         when[at_rest] = known[k[at_rest]]
         return np.where(np.isfinite(when), when, t), at_rest
 
+    def settle(self, out: Attitude, t: Array, step: float, attitude: Callable[[Array], Attitude]) -> None:
+        """Rates at times t of rest: none, or where a rest is shorter than `step`, those with which it began.
+
+        That is no rest but a turning point, too slow for rates of its own: they are taken a little earlier.
+        """
+        k = self.holding(t)
+        at_rest = k >= 0
+        brief = at_rest & (self.right[k] - self.left[k] < step) if at_rest.any() else at_rest
+        out.omega_NB_B[at_rest] = out.alpha_NB_B[at_rest] = 0.0
+        if brief.any():
+            earlier = attitude(self.left[k[brief]] - 0.25 * step)
+            out.omega_NB_B[brief], out.alpha_NB_B[brief] = earlier.omega_NB_B, earlier.alpha_NB_B
+
     @property
     def everywhere(self) -> bool:
         """Whether the body is too slow from the begin of the path to its end."""
@@ -68,7 +81,7 @@ class Course:
     """
 
     def __init__(self, position: Signal, t: Array, floor: Array) -> None:
-        self._position = position
+        self._position, self._step = position, float(np.median(np.diff(t)))
         slow = Slowness(position, t, floor)
         self._vertical = slow.stretches(slow.on_the_level)
         self._rest = slow.stretches(slow.at_rest)
@@ -98,7 +111,7 @@ class Course:
                 whole[held] = part
         if self._rest.everywhere:
             attitude.R_NB[:] = np.eye(3)
-        attitude.omega_NB_B[at_rest] = attitude.alpha_NB_B[at_rest] = 0.0
+        self._rest.settle(attitude, t, self._step, self.attitude)
         return attitude
 
     def joints(self) -> Joints:
