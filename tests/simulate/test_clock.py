@@ -77,7 +77,7 @@ def test_a_rate_that_is_no_whole_part_of_the_other(rng: np.random.Generator) -> 
 
 def delay_error(t: np.ndarray) -> float:
     """By how much a delayed accelerometer differs from one on a body that was sampled that much earlier."""
-    path, sampling = lissajous(frequency=0.3), Sampling(latency=0.0123)
+    path, sampling = lissajous(frequency=0.3), Sampling(latency=0.035 / 3.0)
     recorded = Imu(clock=Clock(accel=sampling)).record(path.sample(t), 1)
     np.testing.assert_array_equal(recorded.measured.gyro, recorded.ideal.gyro)
     earlier = Imu().ideal(path.sample(t - sampling.latency)).accel
@@ -87,7 +87,7 @@ def delay_error(t: np.ndarray) -> float:
 def test_latency_delays_one_sensor_with_an_error_of_fourth_order() -> None:
     coarse, fine = (delay_error(3.0 + np.arange(int(5 * rate)) / rate) for rate in (200.0, 400.0))
     assert coarse < 1e-5
-    # 16 but for the place between two samples that is looked at, and for the next order.
+    # A third of a step from a sample at both rates: 16, but for the next order.
     assert 10.0 < coarse / fine < 25.0
 
 
