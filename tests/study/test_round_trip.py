@@ -16,7 +16,8 @@ T = np.arange(2001) / 200.0
 
 def test_a_turned_sensor_off_the_centre_comes_back_under_any_gravity():
     imu = Imu(
-        Mount([0.1, 0.2, -0.3], np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])), environment=Environment([0, 0, -3.7])
+        Mount([0.1, 0.2, -0.3], np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]])),
+        environment=Environment([0, 0, -3.7]),
     )
     motion = lissajous().sample(np.arange(2001) / 1000.0)
     errors = round_trip(imu.ideal(motion), motion.at(imu.mount), imu.environment)

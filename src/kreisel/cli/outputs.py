@@ -14,6 +14,7 @@ from kreisel.files.doors import write
 
 if TYPE_CHECKING:
     from kreisel.data.recording import ImuRecording
+    from kreisel.simulate.imu import Imu
 
 # Shown of each kind of note; a path with a thousand reversals must not bury the summary.
 _NOTES_SHOWN = 4
@@ -110,21 +111,21 @@ def describe_notes(notes: Sequence[Note]) -> list[str]:
     return lines
 
 
-def describe_round_trip(motion: Motion, mount: Mount) -> list[str]:
-    """ "name  errors" for rates and for increments of an ideal IMU, each integrated back over all of `motion`.
+def describe_round_trip(imu: Imu, motion: Motion) -> list[str]:
+    """Lines of "name  errors" for ideal rates and increments of `imu`, each integrated back over all of `motion`.
 
     Rates show what is lost between the samples. Increments have no error of method in attitude and velocity; their
     position, integrated from velocity, shows whether the path and its derivative are one.
     """
+    from kreisel.simulate.imu import Imu
     from kreisel.study.round_trip import round_trip
 
-    imu, truth = Imu(mount), motion.at(mount)
-    lines = []
+    truth, lines = motion.at(imu.mount), []
     increments = replace(imu.increments(motion), dp=None)
     for kind, recording in (("rates", imu.ideal(motion)), ("increments", increments)):
         errors = round_trip(recording, truth, imu.environment)
         p, v, turn = (float(x.max()) for x in (errors.position, errors.velocity, errors.attitude))
-        lines.append(f"{mount.name} {kind}  {p:.2g} m, {v:.2g} m/s, {np.rad2deg(turn):.2g} deg")
+        lines.append(f"{imu.mount.name} {kind}  {p:.2g} m, {v:.2g} m/s, {np.rad2deg(turn):.2g} deg")
     return lines
 
 

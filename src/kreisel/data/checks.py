@@ -15,6 +15,9 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 """float64 array; its shape, unit and frame are in the comment beside it."""
 
+SAME_INSTANT = 1e-7
+"""Stamps this close (s) are the same instant: files round to a nanosecond or so, clocks jitter by more."""
+
 
 def read_only(x: Array) -> Array:
     """A view of `x` that cannot be written to; nouns take such a view as it is, without a copy."""

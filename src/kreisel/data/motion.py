@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class Note:
     """Something a user should know about how a motion came to be: the method chosen, a jump and its time."""
 
-    kind: str  # "method", "heading-jump", "rate-step", "rest"
+    kind: str  # "method", "heading-jump", "rate-step", "rest", "gap"
     text: str  # one sentence
     t: float | None = None  # s, where it happened
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.data.checks import Array, finite, rotations, shaped
+from kreisel.data.checks import SAME_INSTANT, Array, finite, rotations, shaped
 from kreisel.data.environment import Environment
 from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Note
@@ -17,9 +17,6 @@ from kreisel.maths.rotations import matrix_from_quat_wxyz, quat_wxyz_from_matrix
 from kreisel.maths.stencils import between, derivatives
 
 Initial = Motion | tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike]
-
-# Stamps this close (s) are the same instant: files round them to a nanosecond or so, clocks jitter by more.
-_SAME_INSTANT = 1e-7
 
 # A step this many times the usual one is worth a word: what happened within it can only be guessed.
 _LONG_STEP = 3.5
@@ -108,11 +105,11 @@ def _row_at(initial: Motion, recording: ImuRecording | ImuIncrements) -> int:
     # Epochs are subtracted as integers: as floats they would be rounded to 128 ns.
     first = recording.t[0] + (recording.t0_ns - initial.t0_ns) / 1e9
     near = int(np.argmin(np.abs(initial.t - first))) if len(initial) else None
-    if near is None or abs(initial.t[near] - first) > _SAME_INSTANT:
+    if near is None or abs(initial.t[near] - first) > SAME_INSTANT:
         span = f"{initial.t[0]:.9g} to {initial.t[-1]:.9g} s" if len(initial) else "nothing"
         raise ValueError(
             f"initial must have a row at the recording's first stamp, {first:.9g} s after its t0_ns; "
-            f"it spans {span}, none within {_SAME_INSTANT:g} s. Sample it there, or give (p_NS, v_NS, R_NS)."
+            f"it spans {span}, none within {SAME_INSTANT:g} s. Sample it there, or give (p_NS, v_NS, R_NS)."
         )
     return near
 

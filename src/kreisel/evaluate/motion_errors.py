@@ -6,12 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kreisel.data.checks import Array, read_only
+from kreisel.data.checks import SAME_INSTANT, Array, read_only
 from kreisel.data.motion import Motion
 from kreisel.maths.rotations import log_so3
-
-# Stamps this close (s) are the same instant: files round them to a nanosecond or so.
-_SAME_INSTANT = 1e-7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,7 +47,7 @@ def motion_errors(truth: Motion, estimate: Motion) -> MotionErrors:
     Nothing is interpolated or aligned. Raises ValueError where the stamps differ.
     """
     shift = (estimate.t0_ns - truth.t0_ns) / 1e9
-    if len(truth) != len(estimate) or np.any(np.abs(estimate.t + shift - truth.t) > _SAME_INSTANT):
+    if len(truth) != len(estimate) or np.any(np.abs(estimate.t + shift - truth.t) > SAME_INSTANT):
         raise ValueError(
             f"truth and estimate must have the same stamps; got {len(truth)} and {len(estimate)} rows"
             " or different times. Sample the truth at the estimate's stamps."

@@ -86,7 +86,7 @@ def run(args: Namespace) -> int:
     print(aligned(lines))
     if args.check:
         print("integrated back from the first pose, the largest errors are:")
-        print(aligned([line for mount in mounts for line in describe_round_trip(motion, mount)]))
+        print(aligned([line for mount in mounts for line in describe_round_trip(Imu(mount), motion)]))
     return 0
 
 

@@ -119,8 +119,8 @@ class SampledTrajectory:
             R, omega, alpha = quaternion_motion(*attitude(times, 2))
             notes = (attitude_note,)
         p, v, a = position(times, 2)
-        columns = map(read_only, (times, p, v, a, R, omega, alpha))
-        return Motion(*columns, self.t0_ns, self.name, (position_note, *notes))
+        p, v, a, R, omega, alpha = map(read_only, (p, v, a, R, omega, alpha))
+        return Motion(times, p, v, a, R, omega, alpha, self.t0_ns, self.name, (position_note, *notes))
 
     def _along(self, position: Signal, times: Array) -> tuple[Attitude, tuple[Note, ...]]:
         """Attitude of a body that follows the path, and notes on where its heading jumps."""
