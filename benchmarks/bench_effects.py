@@ -1,12 +1,12 @@
-"""Times the error model of an IMU against the same written in plain NumPy, and pyins' where it is installed.
+"""Times the error model of an IMU against the same written in plain NumPy.
 
     python benchmarks/bench_effects.py
 
 White noise, random walk, Gauss-Markov, scale, misalignment, range and quantisation on six axes. "effects" is the
 chain alone, with every error term kept over time; "record" is all of `Imu.record`, which works out the ideal
 readings at the mount too. Plain NumPy is written as a careful user would: whole arrays, one generator,
-the recursion through `scipy.signal.lfilter`; it keeps no error terms. Each figure is the best of several runs
-in which all take turns, on one thread.
+the recursion through `scipy.signal.lfilter`; it keeps no error terms. All take turns, on one
+thread: times are the best of all rounds, ratios the median of those within a round.
 """
 
 from __future__ import annotations
@@ -73,18 +73,26 @@ def in_plain_numpy(ideal: Array, dt: float, rng: np.random.Generator) -> Array:
     return STEP * np.rint(np.clip(reading, -LIMIT, LIMIT) / STEP)
 
 
+SURROUNDINGS, MOUNT = Environment(), Mount()
+
+
 def contexts(sensor: str, motion: Motion, force: Array) -> Iterator[Context]:
     dt = steps(motion.t)
     for first in range(0, len(motion), BLOCK):
         rows = slice(first, min(first + BLOCK, len(motion)))
-        yield Context(
-            sensor, first, motion.t[rows], dt[rows], force[rows], Environment(), Mount(), motion, rows
-        )
+        yield Context(sensor, first, motion.t[rows], dt[rows], force[rows], SURROUNDINGS, MOUNT, motion, rows)
 
 
 def chain(motion: Motion, gyro: Array, accel: Array) -> None:
     for sensor, ideal in (("gyro", gyro), ("accel", accel)):
         sense(EFFECTS, ideal, contexts(sensor, motion, accel), partial(stream, 1, 0, f"imu/{sensor}"))
+
+
+def chain_with_errors(motion: Motion, gyro: Array, accel: Array) -> None:
+    for sensor, ideal in (("gyro", gyro), ("accel", accel)):
+        errors = {effect.name: np.zeros_like(ideal) for effect in EFFECTS}
+        blocks = contexts(sensor, motion, accel)
+        sense(EFFECTS, ideal, blocks, partial(stream, 1, 0, f"imu/{sensor}"), errors)
 
 
 def plain(gyro: Array, accel: Array, bits: type[np.random.BitGenerator]) -> None:
@@ -93,34 +101,14 @@ def plain(gyro: Array, accel: Array, bits: type[np.random.BitGenerator]) -> None
         in_plain_numpy(ideal, 1.0 / RATE, rng)
 
 
-def pyins_works(motion: Motion, gyro: Array, accel: Array) -> dict[str, Callable[[], object]]:
-    try:
-        import pandas as pd
-        from pyins import inertial_sensor
-        from pyins.util import ACCEL_COLS, GYRO_COLS
-    except ImportError:
-        print("pyins is not installed")
-        return {}
-    frame = pd.DataFrame(np.hstack([gyro, accel]), index=motion.t, columns=[*GYRO_COLS, *ACCEL_COLS])
-
-    def work() -> object:
-        made = [
-            inertial_sensor.Parameters(CROSSED * (1.0 + SCALE), [0.0] * 3, DENSITY, WALK, rng=1)
-            for _ in range(2)
-        ]
-        return inertial_sensor.apply_imu_parameters(frame, "rate", *made)
-
-    return {"pyins (scale, misalignment, white noise, random walk only)": work}
-
-
-def best_times(works: dict[str, Callable[[], object]], runs: int = 9) -> dict[str, float]:
-    best = dict.fromkeys(works, np.inf)
+def all_times(works: dict[str, Callable[[], object]], runs: int = 21) -> dict[str, list[float]]:
+    times: dict[str, list[float]] = {name: [] for name in works}
     for _ in range(runs):
         for name, work in works.items():
             start = perf_counter()
             work()
-            best[name] = min(best[name], perf_counter() - start)
-    return best
+            times[name].append(perf_counter() - start)
+    return times
 
 
 def memory_above_output(imu: Imu, motion: Motion) -> float:
@@ -139,16 +127,16 @@ def main() -> None:
     gyro, accel = ideal.gyro, ideal.accel
     works: dict[str, Callable[[], object]] = {
         "effects": lambda: chain(motion, gyro, accel),
+        "effects with errors": lambda: chain_with_errors(motion, gyro, accel),
         "record": lambda: imu.record(motion, 1),
         "ideal": lambda: imu.ideal(motion),
         "plain NumPy, PCG64": lambda: plain(gyro, accel, np.random.PCG64),
         "plain NumPy, Philox": lambda: plain(gyro, accel, np.random.Philox),
-        **pyins_works(motion, gyro, accel),
     }
-    times = best_times(works)
+    times = all_times(works)
     for name, seconds in times.items():
-        ratio = seconds / times["effects"]
-        print(f"{name:<60} {1e9 * seconds / SAMPLES:7.0f} ns/sample  {ratio:5.2f} x effects")
+        ratio = np.median(np.array(seconds) / np.array(times["effects"]))
+        print(f"{name:<60} {1e9 * min(seconds) / SAMPLES:7.0f} ns/sample  {ratio:5.2f} x effects")
     print(f"memory of record above its output: {memory_above_output(imu, motion):.0f} bytes/sample")
 
 

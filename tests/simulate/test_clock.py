@@ -61,7 +61,7 @@ def test_a_slow_magnetometer_has_rows_of_nan_and_noise_of_its_own_rate(rng: np.r
     recorded = imu.record(rest().sample(T), seed_of(rng))
     there = ~np.isnan(recorded.measured.mag_uT[:, 0])
     np.testing.assert_array_equal(np.flatnonzero(there), np.arange(0, 2000, 10))
-    noise = recorded.errors["mag_uT"]["white_noise"]
+    noise = recorded.errors("mag_uT")["white_noise"]
     np.testing.assert_array_equal(np.isnan(noise[:, 1]), ~there)
     # 600 numbers: 3 %.
     np.testing.assert_allclose(noise[there].std(), 0.5 * np.sqrt(20.0), rtol=0.15)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.data.checks import Array, number
+from kreisel.data.checks import Array, number, read_only
 from kreisel.maths.random import Stream
 from kreisel.maths.window import mean_over_window
 
@@ -108,4 +108,18 @@ def steps(t: Array) -> Array:
     dt = np.empty_like(t)
     dt[1:] = np.diff(t)
     dt[0] = dt[1] if len(t) > 1 else np.inf
-    return dt
+    return read_only(dt)
+
+
+def count(rows: Rows) -> int:
+    """How many samples `rows` picks."""
+    return rows.stop - rows.start if isinstance(rows, slice) else len(rows)
+
+
+def spread(x: Array, rows: Rows, n: int) -> Array:
+    """`x` (m, 3) with n rows: these at `rows`, NaN in between."""
+    if isinstance(rows, slice):
+        return x
+    out = np.full((n, 3), np.nan)
+    out[rows] = x
+    return out

@@ -59,7 +59,7 @@ class Bandwidth:
             out[:] = block
         else:
             w = 2.0 * np.pi * self.cutoff
-            _low_pass(state, w, self.damping, argument(block), argument(context.dt), out)
+            _low_pass(state, w, self.damping, argument(block), context.dt, out)
         return out
 
 

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from kreisel.data.checks import Array, number, per_axis
-from kreisel.maths.markov import markov_allan_deviation, markov_state, markov_sum
+from kreisel.maths.markov import add_markov, markov_allan_deviation, markov_state
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
 
@@ -55,13 +55,15 @@ class BiasInstability:
 
     def start(self, context: Context, stream: Stream) -> Array:
         """State of all processes; the first sample draws from the stationary distribution."""
-        return markov_state(len(self._corners()))
+        return np.array([markov_state() for _ in self._corners()])
 
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3) with flicker added."""
-        sigma, rate = self._processes()
-        white = stream.normals(context.first, len(block), 3 * len(sigma))
-        return block + markov_sum(state, sigma, rate, context.dt, context.first, white)
+        out = block
+        for k, (sigma, rate) in enumerate(zip(*self._processes(), strict=True)):
+            white = stream.normals(context.first, len(block), 3, channel=3 * k)
+            out = add_markov(out, state[k], sigma, rate, context.dt, context.first, white)
+        return out
 
     def allan_deviation(self, tau: Array) -> Array:
         """Allan deviation (m, 3) at averaging times tau (m,) s; 0.664 B well inside the band."""

@@ -45,7 +45,7 @@ class TemperatureScale:
         """Block (n, 3) at the temperature it has."""
         out = np.empty_like(block)
         above = context.temperature_degC - self.reference_degC
-        _follow(argument(block), argument(above), argument(self.slope), out)
+        _follow(argument(block), argument(above), self.slope, out)
         return out
 
 
