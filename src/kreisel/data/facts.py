@@ -88,7 +88,15 @@ def clock_of(t: Array, t0_ns: int) -> Clock:
 
 
 def unit_doubts(recording: ImuRecording) -> list[str]:
-    """Sentences about units and axes that cannot be right, each naming the likely one; empty if none."""
+    """Sentences about units and axes that look wrong, each naming the likely one; empty if none."""
+    doubts = impossible_units(recording)
+    if recording.mag_uT is not None:
+        doubts += _field_doubts(_median_norm(recording.mag_uT))
+    return doubts + _axis_doubts(recording.accel)
+
+
+def impossible_units(recording: ImuRecording) -> list[str]:
+    """Those of the doubts that make every attitude wrong: units of the accelerometer and the gyroscope."""
     doubts = []
     force = _median_norm(recording.accel)
     for unit, one in (("g", 1.0), ("mg or cm/s^2", 1e3)):
@@ -100,9 +108,7 @@ def unit_doubts(recording: ImuRecording) -> list[str]:
     fastest = _largest_norm(recording.gyro)
     if fastest > _FASTEST_GYRO:
         doubts.append(f"the gyroscope reaches {fastest:.4g} rad/s: it looks like deg/s.")
-    if recording.mag_uT is not None:
-        doubts += _field_doubts(_median_norm(recording.mag_uT))
-    return doubts + _axis_doubts(recording.accel)
+    return doubts
 
 
 def _field_doubts(strength: float) -> list[str]:

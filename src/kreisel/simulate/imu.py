@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from kreisel.data.checks import Array, choice, read_only
+from kreisel.data.checks import Array, choice, instance, read_only
 from kreisel.data.environment import Environment
 from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
@@ -43,6 +43,8 @@ class Imu:
     temperature: TemperatureHistory | None = None
 
     def __post_init__(self) -> None:
+        instance("mount", self.mount, Mount, "Write Mount(p_BS=[x, y, z]).")
+        instance("environment", self.environment, Environment, "Write Environment(...).")
         for name in ("gyro_effects", "accel_effects", "mag_effects"):
             effects = tuple(getattr(self, name))
             _check_names(name, [effect.name for effect in effects])
@@ -57,6 +59,7 @@ class Imu:
 
         Source: document 000, eq. (9), with the specific force R_SN (a_N - g_N) for its a_S.
         """
+        _check_motion(motion)
         field_N_uT = self.environment.field_N_uT
         gyro, accel, mag_uT = (np.empty((len(motion), 3)) for _ in SENSORS)
         for rows in _blocks(len(motion)):
@@ -79,6 +82,7 @@ class Imu:
 
         From attitude, velocity and position at both ends of each interval, not from rates: as exact as these.
         """
+        _check_motion(motion)
         at_sensor = motion.at(self.mount)
         step, g_N = np.diff(motion.t)[:, None], self.environment.g_N
         p, v, R = at_sensor.p_NB, at_sensor.v_NB, at_sensor.R_NB
@@ -183,6 +187,7 @@ class Imu:
             )
 
     def _check(self, motion: Motion) -> None:
+        _check_motion(motion)
         if len(motion) < 2:
             raise ValueError(
                 f"a recording needs two samples or more, for noise depends on the time between them; got {len(motion)}."
@@ -197,6 +202,10 @@ class Imu:
 
 def _blocks(n: int) -> Iterator[slice]:
     return (slice(first, min(first + BLOCK, n)) for first in range(0, n, BLOCK))
+
+
+def _check_motion(motion: Motion) -> None:
+    instance("motion", motion, Motion, "A trajectory's sample(t) gives one.")
 
 
 def _check_names(field_name: str, names: list[str]) -> None:

@@ -13,6 +13,7 @@ from kreisel.data.checks import (
     choice,
     finite,
     increasing,
+    radians,
     read_only,
     rotations,
     same_length,
@@ -74,6 +75,8 @@ class SampledTrajectory:
     def __post_init__(self) -> None:
         put = object.__setattr__
         choice("method", self.method, METHODS)
+        if self.order is not None:
+            choice("order", self.order, ("wxyz", "xyzw"))
         put(self, "t", increasing("t", shaped("t", self.t, ("n",))))
         put(self, "position", finite("position", shaped("position", self.position, ("n", 3))))
         if self.velocity is not None:
@@ -224,10 +227,10 @@ def _quaternions(orientation: Any, order: str | None) -> Array:
         R = rotations("orientation", shaped("orientation", orientation, ("n", 3, 3)))
         return quat_wxyz_from_matrix(R)
     if shape[1:] == (3,):
-        phi = finite("orientation", shaped("orientation", orientation, ("n", 3)))
+        phi = radians("orientation", finite("orientation", shaped("orientation", orientation, ("n", 3))))
         return quat_wxyz_from_matrix(matrix_from_euler(phi))
     if shape[1:] == (4,):
-        if order not in ("wxyz", "xyzw"):
+        if order is None:
             raise ValueError(
                 f'quaternions need order="wxyz" or order="xyzw"; got {order!r}. '
                 "ROS, TUM files and SciPy write xyzw; MATLAB, EuRoC and Eigen's constructor wxyz."
