@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.data.checks import Array, number, read_only
+from kreisel.data.checks import Array, read_only, scalar
 from kreisel.maths.random import Stream
 from kreisel.maths.window import mean_over_window
 
@@ -37,7 +37,7 @@ class Sampling:
         if not self.rate > 0.0:
             raise ValueError(f"rate must be positive, Hz; got {self.rate!r}.")
         for name in ("latency", "window"):
-            object.__setattr__(self, name, number(name, getattr(self, name), "s", 0.0))
+            object.__setattr__(self, name, scalar(name, getattr(self, name), "s", 0.0))
 
     def rows(self, t: Array) -> Rows:
         """Rows of times t (n,) s at which there is a sample: the first after every period begins."""
@@ -81,7 +81,7 @@ class Clock:
             ("jitter", "s", 0.0),
             ("loss", "probability", 0.0, 1.0),
         ):
-            object.__setattr__(self, name, number(name, getattr(self, name), unit, *bounds))
+            object.__setattr__(self, name, scalar(name, getattr(self, name), unit, *bounds))
 
     def stamps(self, t: Array, stream: Stream) -> Array:
         """Stamps (n,) s, strictly increasing, of samples taken at true times t (n,) s."""

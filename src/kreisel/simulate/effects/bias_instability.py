@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from kreisel.data.checks import Array, number, per_axis
+from kreisel.data.checks import Array, scalar, per_axis
 from kreisel.maths.markov import add_markov, markov_allan_deviation, markov_state
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
@@ -42,7 +42,7 @@ class BiasInstability:
         put = object.__setattr__
         put(self, "deviation", per_axis("deviation", self.deviation, "unit of the sensor", 0.0))
         for name in ("lowest", "highest"):
-            put(self, name, number(name, getattr(self, name), "Hz", 1e-12, 1e9))
+            put(self, name, scalar(name, getattr(self, name), "Hz", 1e-12, 1e9))
         if not self.highest >= 2.0 * self.lowest:
             raise ValueError(
                 f"the band must span an octave or more; got lowest {self.lowest:g} Hz, highest {self.highest:g} Hz."
