@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from kreisel.data.checks import Array, scalar, per_axis
+from kreisel.data.checks import Array, per_axis, scalar
 from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
