@@ -231,7 +231,7 @@ def per_axis(name: str, value: Any, unit: str, lowest: float = -LARGEST, highest
     return read_only(np.full(3, array))
 
 
-def number(name: str, value: Any, unit: str, lowest: float = -LARGEST, highest: float = LARGEST) -> float:
+def scalar(name: str, value: Any, unit: str, lowest: float = -LARGEST, highest: float = LARGEST) -> float:
     """`value` as a float, or a ValueError outside [lowest, highest] that names the unit."""
     array = as_array(name, value)
     if array.shape != () or not lowest <= float(array) <= highest:
