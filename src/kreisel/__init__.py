@@ -22,13 +22,16 @@ Time is float64 seconds after ``t0_ns``, an integer epoch in nanoseconds.
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
+# Type checkers take it for true. Loading `typing` would take longer than all else up to the first line of the
+# command line, which answers to Ctrl-C only from there on.
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from kreisel.data.attitude import AttitudeHistory as AttitudeHistory
     from kreisel.data.attitude import Reference as Reference
     from kreisel.data.environment import Environment as Environment
+    from kreisel.data.increments import ImuIncrements as ImuIncrements
     from kreisel.data.motion import Motion as Motion
     from kreisel.data.motion import Mount as Mount
     from kreisel.data.motion import Note as Note
@@ -37,10 +40,13 @@ if TYPE_CHECKING:
     from kreisel.data.trajectory import Trajectory as Trajectory
     from kreisel.data.trial import Trial as Trial
     from kreisel.estimate.filters.dcm import DcmFilter as DcmFilter
-    from kreisel.estimate.run import Stream as Stream
     from kreisel.estimate.run import run as run
+    from kreisel.estimate.strapdown import integrate as integrate
+    from kreisel.estimate.stream import Stream as Stream
     from kreisel.evaluate.attitude_errors import AttitudeErrors as AttitudeErrors
     from kreisel.evaluate.attitude_errors import attitude_errors as attitude_errors
+    from kreisel.evaluate.motion_errors import MotionErrors as MotionErrors
+    from kreisel.evaluate.motion_errors import motion_errors as motion_errors
     from kreisel.files.doors import read as read
     from kreisel.files.doors import write as write
     from kreisel.simulate.imu import Imu as Imu
@@ -56,43 +62,49 @@ if TYPE_CHECKING:
     from kreisel.simulate.trajectories.rest import rest as rest
     from kreisel.simulate.trajectories.rounded_rectangle import rounded_rectangle as rounded_rectangle
     from kreisel.simulate.trajectories.sampled import SampledTrajectory as SampledTrajectory
+    from kreisel.study.round_trip import round_trip as round_trip
     from kreisel.study.scenario import Scenario as Scenario
 
 __version__ = "0.1.0"
 
 # Public name -> module. Loaded at first use, so that `import kreisel` costs milliseconds.
 _HOMES = {
+    "attitude_errors": "kreisel.evaluate.attitude_errors",
     "AttitudeErrors": "kreisel.evaluate.attitude_errors",
     "AttitudeHistory": "kreisel.data.attitude",
-    "Reference": "kreisel.data.attitude",
-    "DcmFilter": "kreisel.estimate.filters.dcm",
-    "Environment": "kreisel.data.environment",
-    "FunctionTrajectory": "kreisel.simulate.trajectories.functions",
-    "Imu": "kreisel.simulate.imu",
-    "ImuRecording": "kreisel.data.recording",
-    "Motion": "kreisel.data.motion",
-    "Mount": "kreisel.data.motion",
-    "Note": "kreisel.data.motion",
-    "Poses": "kreisel.data.trajectory",
-    "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
-    "Scenario": "kreisel.study.scenario",
-    "Stream": "kreisel.estimate.run",
-    "Trajectory": "kreisel.data.trajectory",
-    "Trial": "kreisel.data.trial",
-    "attitude_errors": "kreisel.evaluate.attitude_errors",
-    "run": "kreisel.estimate.run",
-    "read": "kreisel.files.doors",
-    "write": "kreisel.files.doors",
     "circle": "kreisel.simulate.trajectories.circle",
     "coning": "kreisel.simulate.trajectories.coning",
+    "DcmFilter": "kreisel.estimate.filters.dcm",
+    "Environment": "kreisel.data.environment",
     "expressions": "kreisel.simulate.trajectories.expressions",
     "figure_eight": "kreisel.simulate.trajectories.lying_eight",
+    "FunctionTrajectory": "kreisel.simulate.trajectories.functions",
     "helix": "kreisel.simulate.trajectories.helix",
+    "Imu": "kreisel.simulate.imu",
+    "ImuIncrements": "kreisel.data.increments",
+    "ImuRecording": "kreisel.data.recording",
+    "integrate": "kreisel.estimate.strapdown",
     "line": "kreisel.simulate.trajectories.line",
     "lissajous": "kreisel.simulate.trajectories.lissajous",
     "lying_eight": "kreisel.simulate.trajectories.lying_eight",
+    "Motion": "kreisel.data.motion",
+    "motion_errors": "kreisel.evaluate.motion_errors",
+    "MotionErrors": "kreisel.evaluate.motion_errors",
+    "Mount": "kreisel.data.motion",
+    "Note": "kreisel.data.motion",
+    "Poses": "kreisel.data.trajectory",
+    "read": "kreisel.files.doors",
+    "Reference": "kreisel.data.attitude",
     "rest": "kreisel.simulate.trajectories.rest",
+    "round_trip": "kreisel.study.round_trip",
     "rounded_rectangle": "kreisel.simulate.trajectories.rounded_rectangle",
+    "run": "kreisel.estimate.run",
+    "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
+    "Scenario": "kreisel.study.scenario",
+    "Stream": "kreisel.estimate.stream",
+    "Trajectory": "kreisel.data.trajectory",
+    "Trial": "kreisel.data.trial",
+    "write": "kreisel.files.doors",
 }
 
 __all__ = ["__version__", *sorted(_HOMES)]
@@ -100,6 +112,8 @@ __all__ = ["__version__", *sorted(_HOMES)]
 
 def __getattr__(name: str) -> Any:
     if name in _HOMES:
+        from importlib import import_module
+
         return getattr(import_module(_HOMES[name]), name)
     raise AttributeError(f"module 'kreisel' has no attribute {name!r}")
 

@@ -37,8 +37,8 @@ def test_nothing_is_aligned_unasked():
 @pytest.mark.parametrize("turn", [-3.0, 0.4, 3.1])
 def test_a_heading_offset_is_removed_and_reported(turn):
     e = attitude_errors(TRUTH, history(exp_so3([0.0, 0.0, turn]) @ TRUTH.R_NS), align="heading")
-    # Twenty roundings of matrices.
-    assert e.total.max() < 5e-15
+    # Matrices of up to pi rad go through some hundred roundings: the fit, its mean and the product.
+    assert e.total.max() < 3e-14
     assert e.summary().heading_offset_deg == pytest.approx(np.degrees(turn), abs=1e-12)
     assert e.summary().align == "heading" and e.summary().frame_offset_deg is None
 
@@ -53,7 +53,7 @@ def test_heading_alignment_leaves_the_level_alone():
 def test_a_frame_of_any_orientation_is_removed(rng):
     frame = random_rotvec(rng)
     e = attitude_errors(TRUTH, history(exp_so3(frame) @ TRUTH.R_NS), align="frame")
-    assert e.total.max() < 5e-15
+    assert e.total.max() < 3e-14
     np.testing.assert_allclose(exp_so3(np.radians(e.summary().frame_offset_deg)), exp_so3(frame), atol=1e-13)
 
 

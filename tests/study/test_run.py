@@ -43,7 +43,7 @@ def test_recordings_are_those_of_the_parts_put_together_by_hand():
     mount = Mount(np.array([0.1, 0.0, 0.2]), matrix_from_euler(np.deg2rad([0.0, 10.0, 90.0])), "wrist")
     environment = Environment(np.array([0.0, 0.0, -9.81]), np.array(FIELD))
     motion = lissajous(frequency=0.5).sample(np.arange(201) / 100.0)
-    expected = Imu(mount, environment).ideal(motion)
+    expected = Imu(mount, environment=environment).ideal(motion)
     for name in COLUMNS:
         assert getattr(result.recordings[0], name).tobytes() == getattr(expected, name).tobytes()
     assert [recording.name for recording in result.recordings] == ["wrist", "elbow"]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
-from kreisel.data.checks import Array, finite, increasing, rotations, same_length, shaped
+from kreisel.data.checks import Array, finite, increasing, read_only, rotations, same_length, shaped
 from kreisel.maths.kinematics import acceleration_at, velocity_at
 from kreisel.maths.rotations import euler_from_matrix, quat_wxyz_from_matrix
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 class Note:
     """Something a user should know about how a motion came to be: the method chosen, a jump and its time."""
 
-    kind: str  # "method", "heading-jump", "rate-step", "rest"
+    kind: str  # "method", "heading-jump", "rate-step", "rest", "gap"
     text: str  # one sentence
     t: float | None = None  # s, where it happened
 
@@ -83,6 +84,16 @@ class Motion:
 
         return Rotation.from_matrix(self.R_NB)
 
+    def rows(self, rows: slice | npt.NDArray[np.int64]) -> Motion:
+        """The samples that `rows` picks, which must keep them in order; notes are kept as they are."""
+        part = object.__new__(Motion)
+        for column in fields(Motion):
+            value = getattr(self, column.name)
+            # Rows of what was checked need no second look, which would cost more than most uses of them.
+            picked = read_only(value[rows]) if isinstance(value, np.ndarray) else value
+            object.__setattr__(part, column.name, picked)
+        return part
+
     def at(self, mount: Mount) -> Motion:
         """Motion of the sensor at `mount`, in sensor axes (frame S in place of B)."""
         R_SB = mount.R_BS.T
@@ -92,12 +103,12 @@ class Motion:
         )
         return Motion(
             t=self.t,
-            p_NB=self.p_NB + self.R_NB @ mount.p_BS,
-            v_NB=self.v_NB + v_lever,
-            a_NB=self.a_NB + a_lever,
-            R_NB=self.R_NB @ mount.R_BS,
-            omega_NB_B=self.omega_NB_B @ R_SB.T,
-            alpha_NB_B=self.alpha_NB_B @ R_SB.T,
+            p_NB=read_only(self.p_NB + self.R_NB @ mount.p_BS),
+            v_NB=read_only(self.v_NB + v_lever),
+            a_NB=read_only(self.a_NB + a_lever),
+            R_NB=read_only(self.R_NB @ mount.R_BS),
+            omega_NB_B=read_only(self.omega_NB_B @ R_SB.T),
+            alpha_NB_B=read_only(self.alpha_NB_B @ R_SB.T),
             t0_ns=self.t0_ns,
             name=self.name,
             notes=self.notes,

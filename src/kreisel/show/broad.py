@@ -64,6 +64,7 @@ def _dress(axes: Axes, text: str) -> None:
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.tick_params(which="minor", color=style.GRID)
 
 
 def _marks(axes: Axes, x: np.ndarray, y: np.ndarray, k: int, filter: str) -> None:

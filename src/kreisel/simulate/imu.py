@@ -2,34 +2,198 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
+import numpy as np
+
+from kreisel.data.checks import instance, read_only
 from kreisel.data.environment import Environment
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
+from kreisel.data.temperature import TemperatureHistory
 from kreisel.maths.kinematics import specific_force
+from kreisel.maths.random import Stream, seed_from, stream
+from kreisel.maths.rotations import log_so3
+from kreisel.simulate.chain import BLOCK, Sensed, sense
+from kreisel.simulate.clock import Clock, Rows, steps
+from kreisel.simulate.context import Context
+from kreisel.simulate.effects import Effect
+from kreisel.simulate.recorded import Recorded
+
+SENSORS = ("gyro", "accel", "mag_uT")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Imu:
-    """An inertial measurement unit at a place on the body."""
+    """An inertial measurement unit at a place on the body.
+
+    The effects of a sensor act in the order given, from the outer world to the output: commonly
+    misalignment, scale, biases, noise, bandwidth, range, quantisation.
+    """
 
     mount: Mount = field(default_factory=Mount)
+    gyro_effects: Sequence[Effect] = ()
+    accel_effects: Sequence[Effect] = ()
+    mag_effects: Sequence[Effect] = ()
     environment: Environment = field(default_factory=Environment)
+    clock: Clock = field(default_factory=Clock)
+    temperature: TemperatureHistory | None = None
+
+    def __post_init__(self) -> None:
+        instance("mount", self.mount, Mount, "Write Mount(p_BS=[x, y, z]).")
+        instance("environment", self.environment, Environment, "Write Environment(...).")
+        for name in ("gyro_effects", "accel_effects", "mag_effects"):
+            effects = tuple(getattr(self, name))
+            _check_names(name, [effect.name for effect in effects])
+            object.__setattr__(self, name, effects)
+        if self.mag_effects and self.environment.field_N_uT is None:
+            raise ValueError(
+                "mag_effects need a magnetic field to act on; give environment=Environment(field_N_uT=...)."
+            )
 
     def ideal(self, motion: Motion) -> ImuRecording:
         """What a perfect IMU at the mount reads at the times of `motion`; with a field around it, a magnetometer too.
 
         Source: document 000, eq. (9), with the specific force R_SN (a_N - g_N) for its a_S.
         """
-        at_sensor = motion.at(self.mount)
+        _check_motion(motion)
         field_N_uT = self.environment.field_N_uT
+        gyro, accel, mag_uT = (np.empty((len(motion), 3)) for _ in SENSORS)
+        for rows in _blocks(len(motion)):
+            at_sensor = motion.rows(rows).at(self.mount)
+            gyro[rows] = at_sensor.omega_NB_B
+            accel[rows] = specific_force(at_sensor.a_NB, at_sensor.R_NB, self.environment.g_N)
+            if field_N_uT is not None:
+                mag_uT[rows] = field_N_uT @ at_sensor.R_NB  # R_SN field, row by row
         return ImuRecording(
             t=motion.t,
-            gyro=at_sensor.omega_NB_B,
-            accel=specific_force(at_sensor.a_NB, at_sensor.R_NB, self.environment.g_N),
-            # R_SN field, row by row.
-            mag_uT=None if field_N_uT is None else field_N_uT @ at_sensor.R_NB,
+            gyro=read_only(gyro),
+            accel=read_only(accel),
+            mag_uT=None if field_N_uT is None else read_only(mag_uT),
             t0_ns=motion.t0_ns,
             name=self.mount.name,
+        )
+
+    def increments(self, motion: Motion) -> ImuIncrements:
+        """What a perfect IMU at the mount adds up between the times of `motion`: coning and sculling are in it.
+
+        From attitude, velocity and position at both ends of each interval, not from rates: as exact as these.
+        """
+        _check_motion(motion)
+        at_sensor = motion.at(self.mount)
+        step, g_N = np.diff(motion.t)[:, None], self.environment.g_N
+        p, v, R = at_sensor.p_NB, at_sensor.v_NB, at_sensor.R_NB
+        v_gain = np.diff(v, axis=0) - step * g_N
+        p_gain = np.diff(p, axis=0) - step * v[:-1] - 0.5 * step * step * g_N
+        R_back = np.swapaxes(R[:-1], -1, -2)
+        return ImuIncrements(
+            t=motion.t,
+            dtheta=log_so3(R_back @ R[1:]),
+            dv=np.einsum("nij,nj->ni", R_back, v_gain),
+            dp=np.einsum("nij,nj->ni", R_back, p_gain),
+            t0_ns=motion.t0_ns,
+            name=self.mount.name,
+        )
+
+    def record(self, motion: Motion, rng: int | np.random.Generator, run: int = 0) -> Recorded:
+        """What this IMU reads at the times of `motion`, with every error it made.
+
+        rng: a seed, or a generator from which one is drawn. run: number of the run in an ensemble of one seed.
+        Every effect draws from a stream of its own, keyed by seed, run, name of the mount, sensor and name
+        of the effect: adding, dropping or moving one leaves the numbers of the others alone.
+
+        Raises ValueError for fewer than two samples, a temperature history that is shorter than the motion,
+        and effects that do not suit their sensor.
+        """
+        self._check(motion)
+        seed, sensor_name = seed_from(rng), self.mount.name
+        ideal = self.ideal(motion)
+        sensed = {
+            sensor: self._sense(sensor, motion, ideal, partial(stream, seed, run, f"{sensor_name}/{sensor}"))
+            for sensor in SENSORS
+            if getattr(ideal, sensor) is not None
+        }
+        clock_stream = stream(seed, run, sensor_name, "clock")
+        lost = self.clock.lost(len(motion), clock_stream)
+        for each in sensed.values():
+            each.reading[lost] = np.nan
+        return Recorded(
+            measured=ImuRecording(
+                t=read_only(self.clock.stamps(motion.t, clock_stream)),
+                **{sensor: read_only(each.reading) for sensor, each in sensed.items()},
+                t0_ns=motion.t0_ns,
+                name=sensor_name,
+            ),
+            ideal=ideal,
+            gyro_bias=read_only(sensed["gyro"].bias),
+            accel_bias=read_only(sensed["accel"].bias),
+            errors={
+                sensor: {name: read_only(added) for name, added in each.errors.items()}
+                for sensor, each in sensed.items()
+            },
+            seed=seed,
+        )
+
+    def _sense(
+        self, sensor: str, motion: Motion, ideal: ImuRecording, stream_of: Callable[[str], Stream]
+    ) -> Sensed:
+        effects, sampling = {
+            "gyro": (self.gyro_effects, self.clock.gyro),
+            "accel": (self.accel_effects, self.clock.accel),
+            "mag_uT": (self.mag_effects, self.clock.mag),
+        }[sensor]
+        rows = sampling.rows(motion.t)
+        collected = sampling.collect(motion.t, getattr(ideal, sensor), rows)
+        sensed = sense(effects, collected, self._contexts(sensor, motion, ideal, rows), stream_of)
+        return sensed if isinstance(rows, slice) else sensed.spread(rows, len(motion))
+
+    def _contexts(self, sensor: str, motion: Motion, ideal: ImuRecording, rows: Rows) -> Iterator[Context]:
+        t = motion.t[rows]
+        dt = steps(t)
+        for block in _blocks(len(t)):
+            picked = block if isinstance(rows, slice) else rows[block]
+            yield Context(
+                sensor=sensor,
+                first=block.start,
+                t=t[block],
+                dt=dt[block],
+                specific_force=ideal.accel[picked],
+                environment=self.environment,
+                mount=self.mount,
+                body=motion,
+                rows=picked,
+                history=self.temperature,
+            )
+
+    def _check(self, motion: Motion) -> None:
+        _check_motion(motion)
+        if len(motion) < 2:
+            raise ValueError(
+                f"a recording needs two samples or more, for noise depends on the time between them; got {len(motion)}."
+            )
+        history, (first, last) = self.temperature, motion.t[[0, -1]]
+        if history is not None and not history.covers(first, last):
+            span = f"{history.t[0]:.6g} to {history.t[-1]:.6g}" if len(history.t) else "no time at all"
+            raise ValueError(
+                f"temperature must cover the motion, from {first:.6g} to {last:.6g} s; it covers {span} s."
+            )
+
+
+def _blocks(n: int) -> Iterator[slice]:
+    return (slice(first, min(first + BLOCK, n)) for first in range(0, n, BLOCK))
+
+
+def _check_motion(motion: Motion) -> None:
+    instance("motion", motion, Motion, "A trajectory's sample(t) gives one.")
+
+
+def _check_names(field_name: str, names: list[str]) -> None:
+    repeated = sorted({name for name in names if names.count(name) > 1})
+    if repeated:
+        raise ValueError(
+            f"{field_name} has two effects called {repeated[0]!r}, which would draw the same numbers; "
+            f'give one another name, as in name="{repeated[0]}_2".'
         )

@@ -148,7 +148,7 @@ def _environment(recipe: EnvironmentRecipe) -> Environment:
 
 def _imu(recipe: ImuRecipe, environment: Environment) -> Imu:
     R_BS = matrix_from_euler(np.deg2rad(recipe.rotation_deg))
-    return Imu(Mount(np.array(recipe.p_BS), R_BS, recipe.name), environment)
+    return Imu(Mount(np.array(recipe.p_BS), R_BS, recipe.name), environment=environment)
 
 
 def filter_kinds() -> list[str]:

@@ -192,10 +192,21 @@ class DcmFilter:
         (published if self.published else step).update(state, parameters, sample, dt)
 
     def batch(
-        self, state: Array, parameters: Array, t: Array, gyro: Array, accel: Array, mag: Array, answers: Array
+        self,
+        state: Array,
+        parameters: Array,
+        t: Array,
+        gyro: Array,
+        accel: Array,
+        mag: Array,
+        first: int,
+        answers: Array,
     ) -> None:
-        """The same through all samples; the answers go into (n, at.ANSWER)."""
-        (published if self.published else step).batch(state, parameters, t, gyro, accel, mag, answers)
+        """The same through the samples from `first` on, as many as answers (m, at.ANSWER) has rows."""
+        (published if self.published else step).batch(state, parameters, t, gyro, accel, mag, first, answers)
 
 
 FILTER = DcmFilter
+
+STATE_VERSION = 1
+"""Raised whenever places of the state change their meaning: streams saved before are then refused."""
