@@ -40,9 +40,9 @@ if TYPE_CHECKING:
     from kreisel.data.trajectory import Trajectory as Trajectory
     from kreisel.data.trial import Trial as Trial
     from kreisel.estimate.filters.dcm import DcmFilter as DcmFilter
-    from kreisel.estimate.run import Stream as Stream
     from kreisel.estimate.run import run as run
     from kreisel.estimate.strapdown import integrate as integrate
+    from kreisel.estimate.stream import Stream as Stream
     from kreisel.evaluate.attitude_errors import AttitudeErrors as AttitudeErrors
     from kreisel.evaluate.attitude_errors import attitude_errors as attitude_errors
     from kreisel.evaluate.motion_errors import MotionErrors as MotionErrors
@@ -101,7 +101,7 @@ _HOMES = {
     "run": "kreisel.estimate.run",
     "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
     "Scenario": "kreisel.study.scenario",
-    "Stream": "kreisel.estimate.run",
+    "Stream": "kreisel.estimate.stream",
     "Trajectory": "kreisel.data.trajectory",
     "Trial": "kreisel.data.trial",
     "write": "kreisel.files.doors",

@@ -93,13 +93,14 @@ def update(state: Array, params: Array, sample: Array, dt: float) -> None:
 
 @kernel
 def batch(
-    state: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, answers: Array
+    state: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, first: int, answers: Array
 ) -> None:
-    """All steps; answers (n, at.ANSWER) are the head of the state after each."""
-    for k in range(t.size):
+    """The steps from sample `first` on; answers (m, at.ANSWER) are the head of the state after each."""
+    for j in range(answers.shape[0]):
+        k = first + j
         g = gyro[k, 0], gyro[k, 1], gyro[k, 2]
         a = accel[k, 0], accel[k, 1], accel[k, 2]
         m = mag[k, 0], mag[k, 1], mag[k, 2]
         _step(state, params, g, a, m, t[k] - t[max(k - 1, 0)])
         for i in range(at.ANSWER):
-            answers[k, i] = state[i]
+            answers[j, i] = state[i]
