@@ -136,7 +136,6 @@ _HOMES = {
     "Sampling": "kreisel.simulate.clock",
     "ScaleFactor": "kreisel.simulate.effects.scale_factor",
     "Scenario": "kreisel.study.scenario",
-    "Stream": "kreisel.estimate.run",
     "Stream": "kreisel.estimate.stream",
     "TemperatureBias": "kreisel.simulate.effects.temperature_bias",
     "TemperatureHistory": "kreisel.data.temperature",
