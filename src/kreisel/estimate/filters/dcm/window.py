@@ -10,7 +10,8 @@ from kreisel.estimate.filters.dcm import layout as at
 from kreisel.estimate.filters.dcm.covariance import observe, propagate
 from kreisel.estimate.filters.dcm.field import observe_field
 from kreisel.estimate.filters.dcm.rest import watch_rest
-from kreisel.estimate.filters.dcm.vectors import (
+from kreisel.maths.kernels import kernel
+from kreisel.maths.vectors import (
     Array,
     Vector,
     added,
@@ -22,7 +23,6 @@ from kreisel.estimate.filters.dcm.vectors import (
     store,
     unit,
 )
-from kreisel.maths.kernels import kernel
 
 # The window is summed in this many parts where its effect on the attitude is linearised.
 _PARTS = 16.0
