@@ -23,10 +23,10 @@ def run(filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None = No
     Its a_N is the specific force of each sample in N less gravity, not smoothed; NaN where the sample is missing.
     Raises ValueError where the filter needs a magnetometer that the recording does not have.
     """
-    columns = Columns.of(len(recording))
-    for rows, answers in _blocks(filter, recording, R_NS):
-        columns.fill(rows, answers, recording.accel)
-    return columns.history(recording)
+    columns = Columns.of(1, len(recording))
+    for first, answers in _blocks(filter, recording, R_NS):
+        columns.fill(first, answers[None], argument(recording.accel[None]))
+    return columns.history(0, recording)
 
 
 def run_both(
@@ -37,15 +37,16 @@ def run_both(
     The second is the first with all turns about up taken back that the magnetometer asked for: its heading starts
     at zero and drifts, less than that of a run which never saw a magnetometer and learned no bias from it.
     """
-    whole, without = Columns.of(len(recording)), Columns.of(len(recording))
-    for rows, answers in _blocks(filter, recording, R_NS):
-        whole.fill(rows, answers, recording.accel)
+    whole, without = Columns.of(1, len(recording)), Columns.of(1, len(recording))
+    accel = argument(recording.accel[None])
+    for first, answers in _blocks(filter, recording, R_NS):
+        whole.fill(first, answers[None], accel)
         c, s = np.cos(answers[:, at.HEADING, None]), np.sin(answers[:, at.HEADING, None])
         east, north = answers[:, 0:3].copy(), answers[:, 3:6].copy()
         answers[:, 0:3] = c * east + s * north
         answers[:, 3:6] = c * north - s * east
-        without.fill(rows, answers, recording.accel)
-    return whole.history(recording), without.history(recording)
+        without.fill(first, answers[None], accel)
+    return whole.history(0, recording), without.history(0, recording)
 
 
 def readings(
@@ -64,8 +65,8 @@ def readings(
 
 def _blocks(
     filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None
-) -> Iterator[tuple[slice, Array]]:
-    """Rows of the recording and their answers (m, ANSWER), block by block; the next block overwrites them."""
+) -> Iterator[tuple[int, Array]]:
+    """First sample and answers (m, ANSWER) of one block after the other; the next overwrites the answers."""
     n = len(recording)
     inputs = readings(filter, recording.t, recording.gyro, recording.accel, recording.mag_uT)
     state, parameters = filter.start(R_NS), filter.parameters()
@@ -73,4 +74,4 @@ def _blocks(
     for first in range(0, n, _BLOCK):
         answers = block[: n - first]
         filter.batch(state, parameters, *inputs, first, answers)
-        yield slice(first, first + len(answers)), answers
+        yield first, answers

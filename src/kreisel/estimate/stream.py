@@ -107,10 +107,10 @@ class Stream:
 
     def snapshot(self) -> Snapshot:
         """Everything that is known now, as a value of its own."""
-        columns = Columns.of(1)
-        columns.fill(slice(1), self._state[None, : at.ANSWER], self._sample[None, 3:6])
-        R_NS, gyro_bias, a_N = columns.R_NS[0], columns.gyro_bias[0], columns.a_N[0]
-        flags = (bool(column[0]) for column in (columns.rest, columns.disturbed, columns.held))
+        columns = Columns.of(1, 1)
+        columns.fill(0, self._state[None, None, : at.ANSWER], read_only(self._sample[None, None, 3:6]))
+        R_NS, gyro_bias, a_N = (column[0, 0] for column in columns[:3])
+        flags = (bool(column[0, 0]) for column in columns[3:])
         return Snapshot(read_only(R_NS), read_only(gyro_bias), read_only(a_N), self.heading_offset, *flags)
 
     def save(self, path: str | os.PathLike[str]) -> None:

@@ -5,7 +5,7 @@ The name a user types is the file name with dashes.
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -66,4 +66,28 @@ class AttitudeFilter(Protocol):
 
         t (n,) s and the others (n, 3) are whole: the first step's dt is that to the sample before.
         """
+        ...
+
+
+@runtime_checkable
+class LaneFilter(Protocol):
+    """An AttitudeFilter that can also take several recordings abreast, in the lanes of vector instructions."""
+
+    @property
+    def lanes(self) -> int:
+        """How many; 1 where this tuning cannot."""
+        ...
+
+    def batch_of_lanes(
+        self,
+        states: Array,
+        parameters: Array,
+        t: Array,
+        gyro: Array,
+        accel: Array,
+        mag: Array,
+        first: int,
+        answers: Array,
+    ) -> None:
+        """`batch` for so many states (lanes, STATE) with the same bits; all else has the lanes in front as well."""
         ...

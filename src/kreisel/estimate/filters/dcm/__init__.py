@@ -18,10 +18,10 @@ from typing import Literal, get_args
 import numpy as np
 
 from kreisel.data.checks import choice, finite, rotations, shaped
+from kreisel.estimate.filters.dcm import lanes, published, step
 from kreisel.estimate.filters.dcm import layout as at
-from kreisel.estimate.filters.dcm import published, step
 from kreisel.estimate.filters.dcm.covariance import GRAVITY
-from kreisel.estimate.filters.dcm.vectors import Array
+from kreisel.maths.vectors import Array
 
 Mode = Literal["auto", "9", "6", "gyro"]
 
@@ -204,6 +204,25 @@ class DcmFilter:
     ) -> None:
         """The same through the samples from `first` on, as many as answers (m, at.ANSWER) has rows."""
         (published if self.published else step).batch(state, parameters, t, gyro, accel, mag, first, answers)
+
+    @property
+    def lanes(self) -> int:
+        """How many recordings `batch_of_lanes` takes abreast: the published step's, without two of its cures."""
+        return lanes.LANES if self.published and not (self.published.exact or self.published.rate_hz) else 1
+
+    def batch_of_lanes(
+        self,
+        states: Array,
+        parameters: Array,
+        t: Array,
+        gyro: Array,
+        accel: Array,
+        mag: Array,
+        first: int,
+        answers: Array,
+    ) -> None:
+        """`batch` for so many states (lanes, STATE) with the same bits; all else has the lanes in front as well."""
+        lanes.batch_of_lanes(states, parameters, t, gyro, accel, mag, first, answers)
 
 
 FILTER = DcmFilter

@@ -4,8 +4,8 @@ Errors are estimate less truth: R_est = Exp(theta) R_true, and theta' = -R (bias
 """
 
 from kreisel.estimate.filters.dcm import layout as at
-from kreisel.estimate.filters.dcm.vectors import Array
 from kreisel.maths.kernels import kernel
+from kreisel.maths.vectors import Array
 
 GRAVITY = 9.80665  # m/s^2
 

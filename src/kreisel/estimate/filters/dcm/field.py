@@ -4,8 +4,8 @@ import math
 
 from kreisel.estimate.filters.dcm import layout as at
 from kreisel.estimate.filters.dcm.covariance import observe
-from kreisel.estimate.filters.dcm.vectors import Array, load, scaled
 from kreisel.maths.kernels import kernel
+from kreisel.maths.vectors import Array, load, scaled
 
 # rad: an answer whose tilt is known worse than that is still finding its level.
 _LEVEL = 0.06

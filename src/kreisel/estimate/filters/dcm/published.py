@@ -9,7 +9,8 @@ import math
 
 from kreisel.estimate.filters.dcm import layout as at
 from kreisel.estimate.filters.dcm.start import bridge, is_rate, start
-from kreisel.estimate.filters.dcm.vectors import (
+from kreisel.maths.kernels import inlined, kernel
+from kreisel.maths.vectors import (
     NONE,
     Array,
     Rows,
@@ -23,7 +24,6 @@ from kreisel.estimate.filters.dcm.vectors import (
     scaled,
     store,
 )
-from kreisel.maths.kernels import inlined, kernel
 
 
 @inlined
@@ -37,7 +37,7 @@ _STEEP2 = 1e-6
 
 
 @inlined
-def _weights(params: Array, dt: float) -> Vector:
+def weights_of(params: Array, dt: float) -> Vector:
     """Of gyro, accelerometer and magnetometer in a step of dt."""
     w_g, w_a, w_m = params[at.WEIGHT_GYRO], params[at.WEIGHT_ACCEL], params[at.WEIGHT_MAG]
     if params[at.RATE_HZ] > 0.0:
@@ -108,7 +108,7 @@ def _orthonormal(east: Vector, north: Vector, ee: float, nn: float, en: float) -
 
 
 @inlined
-def _advanced(
+def advanced(
     rows: Rows, turn: Vector, accel: Vector, mag: Vector, weights: Vector, setting: Vector, exact: bool
 ) -> Rows:
     """The axes after a step with these samples."""
@@ -120,19 +120,19 @@ def _advanced(
 
 
 @inlined
-def _setting(params: Array) -> Vector:
+def setting_of(params: Array) -> Vector:
     return params[at.OBSERVED], params[at.DECLINATION], params[at.DECLINATION + 1]
 
 
 @inlined
-def _waits(state: Array, params: Array) -> bool:
+def waits(state: Array, params: Array) -> bool:
     return state[at.LEVELLED] == 0.0 or state[at.NORTHED] < params[at.START_NORTH]
 
 
 @kernel
-def _step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, dt: float) -> None:
+def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, dt: float) -> None:
     """Move `state` over the `dt` seconds that end with these samples."""
-    if (_waits(state, params) and start(state, params, accel, mag)) or not dt > 0.0:
+    if (waits(state, params) and start(state, params, accel, mag)) or not dt > 0.0:
         return
     state[at.FLAGS] = state[at.CALM]
     if is_rate(gyro):
@@ -141,8 +141,8 @@ def _step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector,
     else:
         gyro = bridge(state, params, dt)
     rows = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
-    weights, setting = _weights(params, dt), _setting(params)
-    rows = _advanced(rows, scaled(-dt, gyro), accel, mag, weights, setting, params[at.EXACT] == 1.0)
+    weights, setting = weights_of(params, dt), setting_of(params)
+    rows = advanced(rows, scaled(-dt, gyro), accel, mag, weights, setting, params[at.EXACT] == 1.0)
     store(state, at.R_NS, rows[0])
     store(state, at.R_NS + 3, rows[1])
     store(state, at.R_NS + 6, rows[2])
@@ -151,7 +151,7 @@ def _step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector,
 @kernel
 def update(state: Array, params: Array, sample: Array, dt: float) -> None:
     """One step, `sample` (9,) being gyro, accel and mag."""
-    _step(state, params, load(sample, 0), load(sample, 3), load(sample, 6), dt)
+    step(state, params, load(sample, 0), load(sample, 3), load(sample, 6), dt)
 
 
 @kernel
@@ -165,11 +165,11 @@ def batch(
         g = gyro[k, 0], gyro[k, 1], gyro[k, 2]
         a = accel[k, 0], accel[k, 1], accel[k, 2]
         m = mag[k, 0], mag[k, 1], mag[k, 2]
-        _step(state, params, g, a, m, t[k] - t[max(k - 1, 0)])
+        step(state, params, g, a, m, t[k] - t[max(k - 1, 0)])
         for j in range(at.ANSWER):
             answers[i, j] = state[j]
         i += 1
-        if not _waits(state, params) and params[at.RATE_HZ] == 0.0:
+        if not waits(state, params) and params[at.RATE_HZ] == 0.0:
             i = _ordinary(state, params, t, gyro, accel, mag, first, answers, i)
 
 
@@ -189,7 +189,7 @@ def _ordinary(
 
     The axes stay in registers, and no array is passed on: both would cost more than a third of the time.
     """
-    exact, setting, weights = params[at.EXACT] == 1.0, _setting(params), _weights(params, 0.0)
+    exact, setting, weights = params[at.EXACT] == 1.0, setting_of(params), weights_of(params, 0.0)
     east, north, up = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
     calm, heading, g = state[at.CALM], state[at.HEADING], NONE
     begin, end = i, answers.shape[0]
@@ -202,7 +202,7 @@ def _ordinary(
         g = new
         a = accel[k, 0], accel[k, 1], accel[k, 2]
         m = mag[k, 0], mag[k, 1], mag[k, 2]
-        east, north, up = _advanced((east, north, up), scaled(-dt, g), a, m, weights, setting, exact)
+        east, north, up = advanced((east, north, up), scaled(-dt, g), a, m, weights, setting, exact)
         answers[i, 0], answers[i, 1], answers[i, 2] = east
         answers[i, 3], answers[i, 4], answers[i, 5] = north
         answers[i, 6], answers[i, 7], answers[i, 8] = up

@@ -3,7 +3,9 @@
 import math
 
 from kreisel.estimate.filters.dcm import layout as at
-from kreisel.estimate.filters.dcm.vectors import (
+from kreisel.maths.directions import VERTICAL
+from kreisel.maths.kernels import inlined, kernel
+from kreisel.maths.vectors import (
     NONE,
     Array,
     Vector,
@@ -15,8 +17,6 @@ from kreisel.estimate.filters.dcm.vectors import (
     store,
     unit,
 )
-from kreisel.maths.directions import VERTICAL
-from kreisel.maths.kernels import inlined, kernel
 
 # rad/s: 5700 deg/s, which no gyro of this kind reads; a number beyond it is a fault.
 _NO_RATE = 100.0

@@ -7,7 +7,9 @@ import math
 
 from kreisel.estimate.filters.dcm import layout as at
 from kreisel.estimate.filters.dcm.start import bridge, is_rate, start
-from kreisel.estimate.filters.dcm.vectors import (
+from kreisel.estimate.filters.dcm.window import close_part
+from kreisel.maths.kernels import inlined, kernel
+from kreisel.maths.vectors import (
     Array,
     Vector,
     added,
@@ -19,8 +21,6 @@ from kreisel.estimate.filters.dcm.vectors import (
     scaled,
     store,
 )
-from kreisel.estimate.filters.dcm.window import close_part
-from kreisel.maths.kernels import inlined, kernel
 
 # m/s^2: 50 g; what is beyond is a blow that no average survives, or a fault.
 _NO_FORCE = 500.0

@@ -1,4 +1,4 @@
-"""Turns tuples of three floats into others: the vector algebra that the steps of the DCM filter inline."""
+"""Turns tuples of three floats into others: the vector algebra that kernels inline, faster than on small arrays."""
 
 import math
 
