@@ -10,8 +10,8 @@ import math
 
 from kreisel.estimate.filters.dcm import layout as at
 from kreisel.estimate.filters.dcm.covariance import correct
-from kreisel.estimate.filters.dcm.vectors import Array, dot, load
 from kreisel.maths.kernels import kernel
+from kreisel.maths.vectors import Array, dot, load
 
 # m/s: how fast what seems to stay about its place may yet creep on.
 _CREEP = 0.1

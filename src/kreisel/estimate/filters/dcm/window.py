@@ -11,13 +11,9 @@ from kreisel.estimate.filters.dcm import layout as at
 from kreisel.estimate.filters.dcm.covariance import propagate
 from kreisel.estimate.filters.dcm.field import observe_field
 from kreisel.estimate.filters.dcm.rest import watch_rest
-<<<<<<< HEAD
 from kreisel.estimate.filters.dcm.travel import forget_travel, observe_velocity
-from kreisel.estimate.filters.dcm.vectors import (
-=======
 from kreisel.maths.kernels import kernel
 from kreisel.maths.vectors import (
->>>>>>> batch
     Array,
     Vector,
     added,
