@@ -46,7 +46,7 @@ def test_at_rest_the_allan_deviation_at_short_times_is_the_white_noise(name):
         m = 10
         expected = np.sqrt(triad.noise.allan_deviation(np.array([m * dt]))[0] ** 2 + triad.step**2 / 12.0 / m)
         found = overlapping_allan(readings, dt, m)
-        # 6000 independent clusters, overlapping: one standard error is 1 %, six axes at 4 of them; 1e-10 is round-off of the sum.
+        # 6000 independent clusters, overlapping: one standard error is 1 %, 4 of them; 1e-10 is round-off of the sum.
         np.testing.assert_allclose(found, expected, rtol=0.04, atol=1e-10, err_msg=f"{name}, seed {seed}")
 
 
