@@ -68,7 +68,7 @@ def run(args: Namespace) -> int:
     filter = _filter(args)
     recording = read_input(args, kind="imu")
     assert isinstance(recording, ImuRecording)  # the kind asked for
-    _check_units(recording, args.input, args.trust_units)
+    check_units(recording, args.input, args.trust_units)
     started = time.perf_counter()
     answer = estimate(filter, recording)
     seconds = time.perf_counter() - started
@@ -117,7 +117,8 @@ def parse_settings(pairs: Sequence[str], texts: Collection[str] = ()) -> dict[st
     return settings
 
 
-def _check_units(recording: ImuRecording, path: str, trusted: bool) -> None:
+def check_units(recording: ImuRecording, path: str, trusted: bool) -> None:
+    """Refuse impossible units unless trusted; doubtful ones are a note on stderr."""
     impossible = impossible_units(recording)
     if impossible and not trusted:
         raise ValueError(
