@@ -40,7 +40,14 @@ def test_json_is_si_and_the_folder_has_pictures(rest, tmp_path, capsys) -> None:
     np.testing.assert_allclose(report["sensors"]["gyro"]["N"]["value"], np.deg2rad(0.01), rtol=0.03)
     assert report["sensors"]["gyro"]["K"]["value"] == [None] * 3
     assert json.loads((out / "allan.json").read_text()) == report
-    assert {p.name for p in out.iterdir()} == {"allan.json", "allan_gyro.png"}
+    assert {p.name for p in out.iterdir()} == {"allan.json", "allan_gyro.png", "preset.toml"}
+
+
+def test_what_was_read_is_a_sensor_to_simulate(rest, tmp_path) -> None:
+    assert main(["allan", rest, "-o", str(tmp_path / "noise")]) == 0
+    imu = kreisel.Imu.from_preset(tmp_path / "noise" / "preset.toml")
+    again = kreisel.allan(imu.record(kreisel.rest().sample(T), 5).measured)
+    np.testing.assert_allclose(again.N.value, np.deg2rad(0.01), rtol=0.05)
 
 
 def test_a_gap_is_one_line_and_exit_code_one(rest, tmp_path, capsys) -> None:

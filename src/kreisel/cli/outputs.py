@@ -117,7 +117,6 @@ def describe_round_trip(imu: Imu, motion: Motion) -> list[str]:
     Rates show what is lost between the samples. Increments have no error of method in attitude and velocity; their
     position, integrated from velocity, shows whether the path and its derivative are one.
     """
-    from kreisel.simulate.imu import Imu
     from kreisel.study.round_trip import round_trip
 
     truth, lines = motion.at(imu.mount), []

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel.data.checks import Array, as_array, choice, finite, number, read_only
+from kreisel.data.noise import NoiseModel
 from kreisel.data.recording import ImuRecording
 from kreisel.maths.allan import Sizes, covariance_forms, overlapping_variances, terms
 
@@ -68,14 +69,14 @@ class AllanFit:
     B: AllanTerm  # u; the deviation's floor is 0.664 B
     K: AllanTerm  # u/sqrt(s)
 
+    @property
+    def noise(self) -> NoiseModel:
+        """The terms that are visible, for a simulated sensor; what is not visible is zero."""
+        return NoiseModel(*(np.nan_to_num(getattr(self, name).value) for name in TERMS))
+
     def model(self, tau: Array) -> Array:
         """Allan deviation (k, 3) of the terms that are visible, at averaging times `tau` (k,) s."""
-        theta = np.stack([np.nan_to_num(getattr(self, name).value) ** 2 for name in TERMS])
-        return np.asarray(np.sqrt(_terms_over_time(tau) @ theta))
-
-
-def _terms_over_time(tau: Array) -> Array:
-    return np.column_stack([1.0 / tau, np.full(len(tau), 2.0 * np.log(2.0) / np.pi), tau / 3.0])
+        return self.noise.allan_deviation(tau)
 
 
 def allan(recording: ImuRecording, sensor: str = "gyro") -> AllanFit:

@@ -25,7 +25,8 @@ examples:
 
 Leave the sensor still, at a steady temperature, for hours: a term shows where it is longer than its averaging time
 by ten times or more. B is the bias instability of IEEE Std 952; the floor of the curve, which many datasheets
-print as bias instability, is 0.664 B.
+print as bias instability, is 0.664 B. N is two-sided as there; noise densities of datasheets are commonly
+one-sided, sqrt(2) N. preset.toml in the folder is the same noise as a simulated sensor.
 """
 
 _NAMES = {"N": "white noise N", "B": "bias instability B", "K": "random walk K"}
@@ -36,7 +37,9 @@ def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     add_input_arguments(parser)
     parser.add_argument("--sensor", choices=tuple(_SENSORS), default="both", help="which (default: both)")
-    parser.add_argument("-o", "--output", metavar="FOLDER", help="folder for the pictures and allan.json")
+    parser.add_argument(
+        "-o", "--output", metavar="FOLDER", help="folder for pictures, allan.json and preset.toml"
+    )
     parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
     parser.add_argument("--trust-units", action="store_true", help="go on where units look impossible")
     parser.epilog = _EXAMPLES
@@ -117,9 +120,23 @@ def _write(folder: Path, report: dict[str, Any], fits: list[AllanFit]) -> list[s
     make_folder(folder)
     with replacing(folder / "allan.json") as out:
         out.write((json.dumps(report, indent=2, allow_nan=False) + "\n").encode())
-    lines = [f"{folder / 'allan.json'}  coefficients and curves in SI units, for programs"]
+    with replacing(folder / "preset.toml") as out:
+        out.write(_preset(fits, report["file"]).encode())
+    lines = [
+        f"{folder / 'allan.json'}  coefficients and curves in SI units, for programs",
+        f"{folder / 'preset.toml'}  the visible terms as a sensor to simulate, Imu.from_preset",
+    ]
     for fit in fits:
         path = folder / f"allan_{fit.sensor}.png"
         show.save(show.plot_allan(fit), path)
         lines.append(f"{path}  the curves with their asymptotes")
     return lines
+
+
+def _preset(fits: list[AllanFit], path: str) -> str:
+    from kreisel.data.noise import NoiseModel
+    from kreisel.simulate.presets import text_of
+
+    noise = {fit.sensor: fit.noise for fit in fits}
+    gyro, accel = (noise.get(sensor, NoiseModel()) for sensor in _SENSORS["both"])
+    return text_of(gyro, accel, fits[0].name or Path(path).stem, f"Allan deviation of {Path(path).name}")
