@@ -44,6 +44,8 @@ if TYPE_CHECKING:
     from kreisel.estimate.run import run as run
     from kreisel.estimate.strapdown import integrate as integrate
     from kreisel.estimate.stream import Stream as Stream
+    from kreisel.evaluate.allan import AllanFit as AllanFit
+    from kreisel.evaluate.allan import allan as allan
     from kreisel.evaluate.attitude_errors import AttitudeErrors as AttitudeErrors
     from kreisel.evaluate.attitude_errors import attitude_errors as attitude_errors
     from kreisel.evaluate.motion_errors import MotionErrors as MotionErrors
@@ -90,6 +92,8 @@ __version__ = "0.1.0"
 
 # Public name -> module. Loaded at first use, so that `import kreisel` costs milliseconds.
 _HOMES = {
+    "allan": "kreisel.evaluate.allan",
+    "AllanFit": "kreisel.evaluate.allan",
     "attitude_errors": "kreisel.evaluate.attitude_errors",
     "AttitudeErrors": "kreisel.evaluate.attitude_errors",
     "AttitudeHistory": "kreisel.data.attitude",

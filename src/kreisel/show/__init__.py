@@ -9,6 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from kreisel.show.allan import plot_allan as plot_allan
     from kreisel.show.animation import animate as animate
     from kreisel.show.attitude import plot_attitude as plot_attitude
     from kreisel.show.attitude import plot_attitude_errors as plot_attitude_errors
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "animate": "kreisel.show.animation",
+    "plot_allan": "kreisel.show.allan",
     "plot_angular": "kreisel.show.plots",
     "plot_attitude": "kreisel.show.attitude",
     "plot_attitude_errors": "kreisel.show.attitude",

@@ -5,7 +5,6 @@ from __future__ import annotations
 import glob
 import json
 import math
-import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Collection, Sequence
 from dataclasses import fields
@@ -15,11 +14,11 @@ from typing import Any
 import numpy as np
 
 from kreisel import discovery
-from kreisel.cli.inputs import add_input_arguments, read_content
+from kreisel.cli.inputs import add_input_arguments, check_units, read_content
 from kreisel.cli.outputs import summary_stream
 from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.checks import choice
-from kreisel.data.facts import clock_of, impossible_units, unit_doubts
+from kreisel.data.facts import clock_of
 from kreisel.data.frames import WORLDS, from_enu_flu, to_enu_flu
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trial import Trial
@@ -227,14 +226,7 @@ def _recording(path: str, content: Any, args: Namespace) -> ImuRecording:
             f"{path} holds {type(data).__name__}, not an IMU recording. Say --kind imu if it has both."
         )
     recording = to_enu_flu(data, args.frame)
-    impossible = impossible_units(recording)
-    if impossible and not args.trust_units:
-        raise ValueError(
-            f"{path}: {' And '.join(impossible)} Name the unit (--column accel_x='ax [g]'), "
-            "or insist with --trust-units."
-        )
-    for doubt in unit_doubts(recording):
-        sys.stderr.write(f"kreisel: note: {path}: {doubt}\n")
+    check_units(recording, path, args.trust_units)
     return recording
 
 

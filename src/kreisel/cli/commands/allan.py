@@ -1,0 +1,140 @@
+"""Turns a recording at rest into a table of noise coefficients and log-log pictures: `kreisel allan`."""
+
+from __future__ import annotations
+
+import json
+import math
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from kreisel.cli.inputs import add_input_arguments, check_units, read_input
+
+if TYPE_CHECKING:
+    from kreisel.evaluate.allan import AllanFit
+
+HELP = "noise of a sensor at rest: Allan deviation, white noise, bias instability, random walk"
+
+SCHEMA = "kreisel.allan/1"
+
+_EXAMPLES = """\
+examples:
+  kreisel allan rest.csv
+  kreisel allan rest.csv --sensor gyro -o noise/
+  kreisel allan log.csv --column t='Time [ms]' --json
+
+Leave the sensor still, at a steady temperature, for hours: a term shows where it is longer than its averaging time
+by ten times or more. B is the bias instability of IEEE Std 952; the floor of the curve, which many datasheets
+print as bias instability, is 0.664 B. N is two-sided as there; noise densities of datasheets are commonly
+one-sided, sqrt(2) N. preset.toml in the folder is the same noise as a simulated sensor.
+"""
+
+_NAMES = {"N": "white noise N", "B": "bias instability B", "K": "random walk K"}
+_SENSORS = {"gyro": ("gyro",), "accel": ("accel",), "both": ("gyro", "accel")}
+
+
+def configure(parser: ArgumentParser) -> None:
+    """Add the command's arguments."""
+    add_input_arguments(parser)
+    parser.add_argument("--sensor", choices=tuple(_SENSORS), default="both", help="which (default: both)")
+    parser.add_argument(
+        "-o", "--output", metavar="FOLDER", help="folder for pictures, allan.json and preset.toml"
+    )
+    parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
+    parser.add_argument("--trust-units", action="store_true", help="go on where units look impossible")
+    parser.epilog = _EXAMPLES
+
+
+def run(args: Namespace) -> int:
+    """Read, fit, report."""
+    from kreisel.data.recording import ImuRecording
+    from kreisel.evaluate.allan import allan
+
+    recording = read_input(args, kind="imu")
+    assert isinstance(recording, ImuRecording)  # the kind asked for
+    check_units(recording, args.input, args.trust_units)
+    fits = [allan(recording, sensor) for sensor in _SENSORS[args.sensor]]
+    report = {"schema": SCHEMA, "file": args.input, "sensors": {fit.sensor: _as_json(fit) for fit in fits}}
+    files = [] if args.output is None else _write(Path(args.output), report, fits)
+    if args.json:
+        print(json.dumps(report, indent=2, allow_nan=False))
+    else:
+        _print(args.input, fits, files)
+    return 0
+
+
+def _as_json(fit: AllanFit) -> dict[str, Any]:
+    """SI units; null where a term is not visible."""
+    curve = {name: getattr(fit, name).tolist() for name in ("tau", "deviation", "low", "high")}
+    terms = {
+        name: {part: _numbers(getattr(getattr(fit, name), part)) for part in ("value", "low", "high")}
+        for name in _NAMES
+    }
+    return {"samples": fit.samples, "rate_hz": fit.rate_hz, **terms, "curve": curve}
+
+
+def _numbers(values: Any) -> list[float | None]:
+    return [float(v) if math.isfinite(v) else None for v in values]
+
+
+def _print(path: str, fits: list[AllanFit], files: list[str]) -> None:
+    from kreisel.cli.outputs import aligned
+    from kreisel.cli.tables import print_table
+
+    fit = fits[0]
+    print(f"{path}: {fit.samples} samples, {fit.samples / fit.rate_hz:.6g} s at {fit.rate_hz:.6g} Hz")
+    for fit in fits:
+        print()
+        print_table([fit.sensor, "unit", "x", "y", "z"], _rows(fit))
+    print(
+        "\nIn brackets 95 % intervals; < where a term is not visible in this record: it would have shown above."
+    )
+    if files:
+        print("\n" + aligned(files))
+
+
+def _rows(fit: AllanFit) -> list[list[str]]:
+    from kreisel.evaluate.noise_units import COEFFICIENT
+
+    rows = []
+    for term, name in _NAMES.items():
+        for unit in COEFFICIENT[fit.sensor][term]:
+            cells = [_cell(fit, term, axis, unit.factor) for axis in range(3)]
+            rows.append([name if unit is COEFFICIENT[fit.sensor][term][0] else "", unit.name, *cells])
+    return rows
+
+
+def _cell(fit: AllanFit, term: str, axis: int, factor: float) -> str:
+    found = getattr(fit, term)
+    value, low, high = (factor * part[axis] for part in (found.value, found.low, found.high))
+    return f"{value:.3g} ({low:.3g} to {high:.3g})" if math.isfinite(value) else f"< {high:.2g}"
+
+
+def _write(folder: Path, report: dict[str, Any], fits: list[AllanFit]) -> list[str]:
+    """Write numbers and pictures; one line for each."""
+    from kreisel import show
+    from kreisel.atomic import replacing
+
+    folder.mkdir(parents=True, exist_ok=True)
+    with replacing(folder / "allan.json") as out:
+        out.write((json.dumps(report, indent=2, allow_nan=False) + "\n").encode())
+    with replacing(folder / "preset.toml") as out:
+        out.write(_preset(fits, report["file"]).encode())
+    lines = [
+        f"{folder / 'allan.json'}  coefficients and curves in SI units, for programs",
+        f"{folder / 'preset.toml'}  the visible terms as a sensor to simulate, Imu.from_preset",
+    ]
+    for fit in fits:
+        path = folder / f"allan_{fit.sensor}.png"
+        show.save(show.plot_allan(fit), path)
+        lines.append(f"{path}  the curves with their asymptotes")
+    return lines
+
+
+def _preset(fits: list[AllanFit], path: str) -> str:
+    from kreisel.data.noise import NoiseModel
+    from kreisel.simulate.presets import text_of
+
+    noise = {fit.sensor: fit.noise for fit in fits}
+    gyro, accel = (noise.get(sensor, NoiseModel()) for sensor in _SENSORS["both"])
+    return text_of(gyro, accel, fits[0].name or Path(path).stem, f"Allan deviation of {Path(path).name}")

@@ -1,0 +1,270 @@
+"""Turns a recording at rest into its Allan deviation, and that into white noise N, bias instability B, random walk K.
+
+Coefficients are those of IEEE Std 952: the Allan variance is N^2 / tau + (2 ln 2 / pi) B^2 + K^2 tau / 3.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from kreisel.data.checks import Array, as_array, choice, finite, read_only, scalar
+from kreisel.data.noise import NoiseModel
+from kreisel.data.recording import ImuRecording
+from kreisel.maths.allan import Sizes, covariance_forms, overlapping_variances, terms
+
+SENSORS = ("gyro", "accel")
+TERMS = ("N", "B", "K")
+
+# Fewer leave no two cluster sizes to tell slopes by.
+_FEWEST = 32
+
+# Clusters longer than a third of the record leave hardly one difference to average.
+_LONGEST_SHARE = 3
+
+# A step this far from the median, relatively, is no jitter of stamps: samples are missing or bunched.
+_UNEVEN = 0.5
+
+# A term is visible when its square is this many times the standard error that it would have if it were absent.
+_VISIBLE = 3.0
+
+_PASSES = 10
+_ONE_SIDED = 1.645  # standard errors of a normal distribution, 95 %
+_QUANTILES = (0.025, 0.975)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AllanTerm:
+    """One coefficient per axis with its 95 % interval, in SI units.
+
+    Where the record does not show the term its value is NaN, low is zero and high is what it would have shown.
+    """
+
+    value: Array  # (axes,)
+    low: Array  # (axes,)
+    high: Array  # (axes,)
+
+    @property
+    def visible(self) -> npt.NDArray[np.bool_]:
+        """(axes,) whether the record shows it."""
+        return np.isfinite(self.value)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AllanFit:
+    """Allan deviation of one sensor at rest, with the noise read from it; unit u is rad/s or m/s^2."""
+
+    sensor: str  # "gyro" or "accel"
+    name: str
+    samples: int
+    rate_hz: float
+    tau: Array  # (k,) s
+    deviation: Array  # (k, 3) u
+    low: Array  # (k, 3) u, 95 % interval
+    high: Array  # (k, 3) u
+    N: AllanTerm  # u/sqrt(Hz)
+    B: AllanTerm  # u; the deviation's floor is 0.664 B
+    K: AllanTerm  # u/sqrt(s)
+
+    @property
+    def noise(self) -> NoiseModel:
+        """The terms that are visible, for a simulated sensor; what is not visible is zero."""
+        return NoiseModel(*(np.nan_to_num(getattr(self, name).value) for name in TERMS))
+
+    def model(self, tau: Array) -> Array:
+        """Allan deviation (k, 3) of the terms that are visible, at averaging times `tau` (k,) s."""
+        return self.noise.allan_deviation(tau)
+
+
+def allan(recording: ImuRecording, sensor: str = "gyro") -> AllanFit:
+    """Noise of `sensor` ("gyro" or "accel") of a `recording` at rest.
+
+    Raises ValueError for missing samples and gaps, naming where, an axis that never changes, and records of
+    fewer than 32 samples. A sensor that was moved shows its motion as noise: nothing here can tell.
+    """
+    choice("sensor", sensor, SENSORS)
+    samples: Array = getattr(recording, sensor)
+    rate_hz = _even_rate(recording.t)
+    finite(sensor, samples)
+    variances, sizes = _variances(samples, default_sizes(len(samples)))
+    still = ~(variances > 0.0).all(axis=0)
+    if still.any():
+        axis = "xyz"[int(np.argmax(still))]
+        raise ValueError(f"{sensor} {axis} has no noise: it never changes. Is the axis connected?")
+    forms = covariance_forms(len(samples), sizes)
+    axes = [_fit(v, sizes, forms) for v in variances.T]
+    low, high = (np.column_stack([axis.band[k] for axis in axes]) for k in (0, 1))
+    deviation = np.sqrt(variances)
+    return AllanFit(
+        sensor=sensor,
+        name=recording.name,
+        samples=len(samples),
+        rate_hz=rate_hz,
+        tau=read_only(sizes / rate_hz),
+        deviation=read_only(deviation),
+        low=read_only(deviation * low),
+        high=read_only(deviation * high),
+        **{name: _in_si(axes, k, rate_hz) for k, name in enumerate(TERMS)},
+    )
+
+
+def allan_deviation(samples: Any, rate_hz: float, sizes: Any = None) -> tuple[Array, Array]:
+    """Averaging times (k,) s and overlapping Allan deviation (k,) or (k, axes) of `samples` (n,) or (n, axes).
+
+    sizes : samples per cluster, each from 1 to n // 2; by default twelve a decade up to a third of the record.
+    """
+    x = as_array("samples", samples)
+    if x.ndim not in (1, 2):
+        raise ValueError(f"samples must be (n,) or (n, axes); got {x.shape}.")
+    finite("samples", x)
+    rate_hz = scalar("rate_hz", rate_hz, "Hz", 1e-9, 1e12)
+    wanted = default_sizes(len(x)) if sizes is None else np.asarray(sizes, dtype=np.int64)
+    if wanted.ndim != 1 or not ((wanted >= 1) & (wanted <= len(x) // 2)).all():
+        raise ValueError(f"sizes must be from 1 to half of the {len(x)} samples; got {sizes}.")
+    variances, wanted = _variances(x.reshape(len(x), -1), wanted)
+    return wanted / rate_hz, np.sqrt(variances).reshape(len(wanted), *x.shape[1:])
+
+
+def default_sizes(samples: int) -> Sizes:
+    """Cluster sizes: one, then twelve a decade up to a third of the record; ValueError below 32 samples."""
+    if samples < _FEWEST:
+        raise ValueError(f"an Allan deviation needs {_FEWEST} samples or more, got {samples}.")
+    longest = samples // _LONGEST_SHARE
+    return np.unique(np.geomspace(1, longest, int(12 * np.log10(longest)) + 1).astype(np.int64))
+
+
+def _variances(samples: Array, sizes: Sizes) -> tuple[Array, Sizes]:
+    columns = [overlapping_variances(np.ascontiguousarray(column), sizes) for column in samples.T]
+    return np.column_stack(columns), sizes
+
+
+def _even_rate(t: Array) -> float:
+    """Samples per second over the whole record, or a ValueError naming the first step that is no step."""
+    if len(t) < _FEWEST:
+        default_sizes(len(t))
+    steps = np.diff(t)
+    usual = float(np.median(steps))
+    bad = np.abs(steps - usual) > _UNEVEN * usual
+    if bad.any():
+        k = int(np.argmax(bad))
+        raise ValueError(
+            f"an Allan deviation needs even steps: from row {k} at t = {t[k]:.6g} s to row {k + 1} pass "
+            f"{steps[k]:.4g} s where the median step is {usual:.4g} s ({int(bad.sum())} such places). "
+            "Cut the record there and take the longest piece."
+        )
+    return (len(t) - 1) / float(t[-1] - t[0])
+
+
+class _Axis(NamedTuple):
+    theta: Array  # (3,) of N^2 / dt, B^2, K^2 dt; NaN where not visible
+    low: Array  # (3,)
+    high: Array  # (3,)
+    band: tuple[Array, Array]  # each (k,): interval of the deviation, relative to it
+
+
+def _fit(variances: Array, sizes: Sizes, forms: Array) -> _Axis:
+    """Weighted least squares on the variances, without the terms that would come out negative.
+
+    A term too weak to be reported stays in the model, so that the others do not answer for it; of two that bend
+    the same end of the curve and are both too weak the likelier has it to itself.
+    """
+    whole = solution = _least_squares(variances, sizes, forms, (0, 1, 2))
+    while len(solution.kept) > 1 and _too_many(solution):
+        weakest = min(solution.kept, key=lambda k: float(solution.clarity[k]))
+        kept = tuple(k for k in solution.kept if k != weakest)
+        solution = _least_squares(variances, sizes, forms, kept)
+    theta, shown = solution.theta, solution.clarity >= _VISIBLE
+    with np.errstate(invalid="ignore", divide="ignore"):
+        low, high = _interval(2.0 * (theta / solution.error) ** 2)
+    return _Axis(
+        np.where(shown, theta, np.nan),
+        np.where(shown, theta * low, 0.0),
+        np.where(shown, theta * high, _limits(whole, forms)),
+        _band(theta, sizes, forms),
+    )
+
+
+class _Solution(NamedTuple):
+    kept: tuple[int, ...]
+    solver: Array  # (kept, k): theta = solver @ variances
+    theta: Array  # (3,), zero where not kept
+    error: Array  # (3,) standard; infinite where not kept
+    clarity: Array  # (3,): theta over the error that it would have if it were none
+
+
+def _too_many(solution: _Solution) -> bool:
+    negative = solution.clarity[list(solution.kept)].min() < 0.0
+    return bool(negative or (len(solution.kept) == 3 and (solution.clarity[1:] < _VISIBLE).all()))
+
+
+def _least_squares(variances: Array, sizes: Sizes, forms: Array, kept: tuple[int, ...]) -> _Solution:
+    """Weights are the inverse variances that the model found predicts; errors count the correlation between sizes."""
+    A = terms(sizes)[:, kept]
+    theta = np.zeros(3)
+    # To begin with all white, which is what weighs the short clusters, the surest ones, most.
+    guess = np.array([variances[0] * sizes[0], 0.0, 0.0])
+    for _ in range(_PASSES):
+        root = 1.0 / np.sqrt(np.diagonal(_covariance(guess, forms)))
+        scale = np.linalg.norm(A * root[:, None], axis=0)
+        solver = np.linalg.pinv(A * root[:, None] / scale) * root / scale[:, None]
+        theta[list(kept)] = solver @ variances
+        guess = np.maximum(theta, 0.0)
+    error, clarity = np.full(3, np.inf), np.full(3, -np.inf)
+    for row, k in zip(solver, kept, strict=True):
+        error[k] = _error(row, guess, forms)
+        absent = _error(row, np.where(np.arange(3) == k, 0.0, guess), forms)
+        clarity[k] = theta[k] / absent if absent > 0.0 else np.inf
+    return _Solution(kept, solver, theta, error, clarity)
+
+
+def _limits(whole: _Solution, forms: Array) -> Array:
+    """(3,) theta above which each term would have come out larger in 95 of 100 records or more.
+
+    `whole` keeps all three. A term present comes out as chi squared about itself, beside the error that the other
+    terms make; each of the two gets its 95 % quantile, which errs to the safe side.
+    """
+    from scipy.special import gammaincinv
+
+    guess = np.maximum(whole.theta, 0.0)
+    limits = np.empty(3)
+    for k, row in enumerate(whole.solver):
+        alone = np.arange(3) == k
+        others = _ONE_SIDED * _error(row, np.where(alone, 0.0, guess), forms)
+        half = 1.0 / _error(row, alone.astype(np.float64), forms) ** 2
+        limits[k] = (guess[k] + others) * half / gammaincinv(half, 0.05)
+    return limits
+
+
+def _error(row: Array, theta: Array, forms: Array) -> float:
+    return float(np.sqrt(row @ _covariance(theta, forms) @ row))
+
+
+def _covariance(theta: Array, forms: Array) -> Array:
+    """Covariances (k, k) of the estimated variances under the model."""
+    return np.asarray(forms.reshape(*forms.shape[:2], 9) @ np.outer(theta, theta).ravel())
+
+
+def _band(theta: Array, sizes: Sizes, forms: Array) -> tuple[Array, Array]:
+    guess = np.maximum(theta, 0.0)
+    spread = np.diagonal(_covariance(guess, forms))
+    low, high = _interval(2.0 * (terms(sizes) @ guess) ** 2 / spread)
+    return np.sqrt(low), np.sqrt(high)
+
+
+def _interval(freedom: Array) -> tuple[Array, Array]:
+    """Factors from a variance with so many degrees of freedom to its 95 % interval (chi squared)."""
+    from scipy.special import gammaincinv
+
+    with np.errstate(over="ignore"):  # less than a hundredth of a degree of freedom: no upper end at all
+        low, high = (0.5 * freedom / gammaincinv(0.5 * freedom, q) for q in reversed(_QUANTILES))
+    return low, high
+
+
+def _in_si(axes: list[_Axis], term: int, rate_hz: float) -> AllanTerm:
+    """From units of one sample to seconds."""
+    factor = (1.0 / rate_hz, 1.0, rate_hz)[term]
+    each = [[getattr(axis, part)[term] * factor for axis in axes] for part in ("theta", "low", "high")]
+    return AllanTerm(*(read_only(np.sqrt(np.array(part))) for part in each))
