@@ -15,6 +15,7 @@ from kreisel.files.doors import write
 if TYPE_CHECKING:
     from kreisel.data.recording import ImuRecording
     from kreisel.simulate.imu import Imu
+    from kreisel.simulate.recorded import Recorded
 
 # Shown of each kind of note; a path with a thousand reversals must not bury the summary.
 _NOTES_SHOWN = 4
@@ -26,12 +27,17 @@ def write_simulation(
     mounts: Sequence[Mount],
     recordings: Sequence[ImuRecording],
     *,
+    recorded: Sequence[Recorded] = (),
     world: str = "enu-flu",
     imu_format: str = "csv",
     pictures: bool = True,
     animation: bool = False,
 ) -> list[str]:
-    """Write IMU data, truth and pictures to `folder`; the lines of a summary that names each file."""
+    """Write IMU data, truth and pictures to `folder`; the lines of a summary that names each file.
+
+    recorded: of the recordings with errors, what is known of these; each goes into a file of its own.
+    """
+    from kreisel.cli.error_terms import write_error_terms
     from kreisel.data.frames import from_enu_flu
 
     check_names([recording.name for recording in recordings])
@@ -43,6 +49,10 @@ def write_simulation(
         magnetometer = "" if recording.mag_uT is None else " and magnetometer (uT)"
         sensors = f"gyroscope (rad/s){',' if magnetometer else ' and'} accelerometer (m/s^2){magnetometer}"
         lines.append(f"{path}  {sensors}, {len(recording)} samples")
+    for known in recorded:
+        path = folder / f"{known.ideal.name}-errors.npz"
+        write_error_terms(path, known, world)
+        lines.append(f"{path}  its ideal readings, biases and every error term, for numpy.load")
     truth = from_enu_flu(motion, world)
     write(folder / "truth.tum", truth)
     lines.append(f"{folder / 'truth.tum'}  position and attitude of the body, as evo and others read it")
@@ -70,7 +80,9 @@ def make_folder(folder: Path) -> None:
 
 def check_names(imus: Sequence[str]) -> None:
     """Refuse an IMU whose files would have the names of others."""
-    taken = next((name for name in imus if name in _TAKEN), None)
+    taken = next(
+        (name for name in imus if name in _TAKEN or name.removesuffix("-errors") in {*imus} - {name}), None
+    )
     if taken is not None:
         raise ValueError(f"an IMU cannot be called {taken!r}: a file of that name is written too.")
 

@@ -72,7 +72,8 @@ def _described(scenario: Scenario, result: Result) -> list[str]:
     t, recipe = result.motion.t, scenario.trajectory
     kind = recipe.kind if isinstance(recipe, TrajectoryRecipe) else type(recipe).__name__
     span = f"{len(t)} samples from {t[0]:.6g} to {t[-1]:.6g} s"
-    lines = [f"{scenario.name or 'scenario'}: {kind}, {span}, ideal sensors, seed {scenario.seed}"]
+    sensors = ", ".join(dict.fromkeys(imu.sensor or "ideal sensor" for imu in scenario.imus))
+    lines = [f"{scenario.name or 'scenario'}: {kind}, {span}, {sensors}, seed {scenario.seed}"]
     if scenario.environment.field_N_uT is not None:
         field = scenario.environment.field_N_uT
         size = f"{np.linalg.norm(field):.4g} uT, dip {np.rad2deg(np.arctan2(-field[2], np.hypot(*field[:2]))):.1f} deg"
@@ -103,7 +104,9 @@ def errors_table(estimates: Sequence[Estimate]) -> str:
 
 def _write(folder: Path, result: Result, pictures: bool) -> list[str]:
     """Write everything; the lines of a summary that names each file."""
-    lines = write_simulation(folder, result.motion, result.mounts, result.recordings, pictures=pictures)
+    lines = write_simulation(
+        folder, result.motion, result.mounts, result.recordings, recorded=result.recorded, pictures=pictures
+    )
     for estimate in result.estimates:
         lines += _write_estimate(folder, estimate)
         if pictures:

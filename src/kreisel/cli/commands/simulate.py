@@ -21,6 +21,8 @@ _EXAMPLES = """\
 examples:
   kreisel simulate poses.csv -o out/
   kreisel simulate poses.tum -o out/ --rate 400 --imu wrist:0.02,0,0.05
+  kreisel simulate poses.csv -o out/ --imu bmi088 --seed 7
+  kreisel simulate poses.csv -o out/ --sensor bmi088 --imu left:0,0.1,0 --imu right:0,-0.1,0
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
   kreisel simulate flight.csv -o out/ --frame ned-frd
   kreisel simulate poses.csv -o out/ --rate 1000 --check
@@ -34,9 +36,17 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--imu",
         action="append",
-        metavar="[NAME:]X,Y,Z[:RX,RY,RZ]",
+        metavar="[SENSOR@][NAME:]X,Y,Z[:RX,RY,RZ]",
         help="lever arm from the body's origin in m, body axes, and turn of the sensor about x, y, z in deg "
-        "(z-y-x); may be given several times",
+        "(z-y-x); SENSOR alone sits at the origin; may be given several times",
+    )
+    parser.add_argument(
+        "--sensor",
+        help="sensor of all IMUs that name none: a preset (see kreisel sensors), a preset file .toml or kalibr's "
+        ".yaml (default: perfect sensors)",
+    )
+    parser.add_argument(
+        "--seed", type=int, default=0, help="whole number from which noise is drawn (default 0)"
     )
     parser.add_argument("--rate", type=float, metavar="HZ", help="IMU rate (default: the times of the poses)")
     parser.add_argument(
@@ -57,48 +67,72 @@ def configure(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Read, differentiate, mount, write."""
-    from kreisel.simulate.imu import Imu
     from kreisel.simulate.trajectories.sampled import SampledTrajectory
+    from kreisel.study.sensor import record_all, sensor_imu
 
     started = time.perf_counter()
     choice("--to-frame", args.to_frame, tuple(WORLDS))
-    mounts = [parse_mount(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
+    if args.seed < 0:
+        raise ValueError(f"--seed must be a whole number, 0 or more; got {args.seed}.")
+    placed = [parse_imu(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
+    mounts = [mount for mount, _ in placed]
     if len({m.name for m in mounts}) < len(mounts):
         raise ValueError("two IMUs share a name; write --imu NAME:X,Y,Z with different names.")
+    imus = [sensor_imu(sensor or args.sensor, mount) for mount, sensor in placed]
     poses = read_input(args, kind="poses")
     assert isinstance(poses, Poses)  # the kind asked for
     trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method)
     motion = trajectory.sample(None if args.rate is None else even_times(*trajectory.span, args.rate))
+    recordings, recorded = record_all(imus, motion, args.seed)
     lines = write_simulation(
         Path(args.output),
         motion,
         mounts,
-        [Imu(mount).ideal(motion) for mount in mounts],
+        recordings,
+        recorded=recorded,
         world=args.to_frame,
         imu_format=args.imu_format,
         pictures=not args.no_pictures,
         animation=args.animation,
     )
+    sensors = [sensor or args.sensor or "ideal sensor" for _, sensor in placed]
+    told = ", ".join(dict.fromkeys(sensors)) + (f", seed {args.seed}" if recorded else "")
     span = motion.t[-1] - motion.t[0]
-    print(f"{args.input}: {len(poses)} poses over {span:.4g} s -> {len(motion)} IMU samples, ideal sensor")
+    print(f"{args.input}: {len(poses)} poses over {span:.4g} s -> {len(motion)} IMU samples, {told}")
     print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
     print(f"written in {time.perf_counter() - started:.1f} s:")
     print(aligned(lines))
     if args.check:
         print("integrated back from the first pose, the largest errors are:")
-        print(aligned([line for mount in mounts for line in describe_round_trip(Imu(mount), motion)]))
+        print(aligned([line for imu in imus for line in describe_round_trip(imu, motion)]))
     return 0
 
 
-def parse_mount(text: str, number: int = 0) -> Mount:
-    """The mount that "[NAME:]X,Y,Z[:RX,RY,RZ]" (m, deg) describes."""
+def parse_imu(text: str, number: int = 0) -> tuple[Mount, str | None]:
+    """Mount and sensor that "[SENSOR@][NAME:]X,Y,Z[:RX,RY,RZ]" (m, deg) or "SENSOR" describes.
+
+    An IMU with a sensor and no name is called as the sensor is.
+    """
+    if "@" in text:
+        sensor, place = text.split("@", 1)
+        return parse_mount(place, number, Path(sensor).stem), sensor
+    if "," not in text and ":" not in text and text:
+        return Mount(name=Path(text).stem), text
+    return parse_mount(text, number), None
+
+
+def parse_mount(text: str, number: int = 0, name: str = "") -> Mount:
+    """The mount that "[NAME:]X,Y,Z[:RX,RY,RZ]" (m, deg) describes; without a NAME it gets `name`."""
     from kreisel.maths.rotations import matrix_from_euler
 
     parts = text.split(":")
     named = bool(parts) and not _is_vector(parts[0])
-    name = parts.pop(0) if named else ("imu" if number == 0 else f"imu{number + 1}")
+    name = parts.pop(0) if named else name or ("imu" if number == 0 else f"imu{number + 1}")
     if not 1 <= len(parts) <= 2 or not all(map(_is_vector, parts)) or not name or set(name) & set("/\\"):
-        raise ValueError(f"--imu takes [NAME:]X,Y,Z[:RX,RY,RZ], such as wrist:0.02,0,0.05; got {text!r}.")
+        raise ValueError(
+            "--imu takes [SENSOR@][NAME:]X,Y,Z[:RX,RY,RZ], such as wrist:0.02,0,0.05 or bmi088@0.1,0,0; "
+            f"got {text!r}."
+        )
     p_BS, *turn = (np.array([float(x) for x in part.split(",")]) for part in parts)
     return Mount(p_BS, matrix_from_euler(np.deg2rad(turn[0])) if turn else np.eye(3), name)
 
