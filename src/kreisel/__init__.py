@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from kreisel.data.motion import Motion as Motion
     from kreisel.data.motion import Mount as Mount
     from kreisel.data.motion import Note as Note
+    from kreisel.data.noise import NoiseModel as NoiseModel
     from kreisel.data.recording import ImuRecording as ImuRecording
     from kreisel.data.trajectory import Poses as Poses
     from kreisel.data.trajectory import Trajectory as Trajectory
@@ -47,6 +48,9 @@ if TYPE_CHECKING:
     from kreisel.evaluate.motion_errors import motion_errors as motion_errors
     from kreisel.files.doors import read as read
     from kreisel.files.doors import write as write
+    from kreisel.files.kalibr import KalibrImu as KalibrImu
+    from kreisel.files.kalibr import read_kalibr as read_kalibr
+    from kreisel.files.kalibr import write_kalibr as write_kalibr
     from kreisel.simulate.imu import Imu as Imu
     from kreisel.simulate.trajectories.circle import circle as circle
     from kreisel.simulate.trajectories.coning import coning as coning
@@ -82,6 +86,7 @@ _HOMES = {
     "ImuIncrements": "kreisel.data.increments",
     "ImuRecording": "kreisel.data.recording",
     "integrate": "kreisel.estimate.strapdown",
+    "KalibrImu": "kreisel.files.kalibr",
     "line": "kreisel.simulate.trajectories.line",
     "lissajous": "kreisel.simulate.trajectories.lissajous",
     "lying_eight": "kreisel.simulate.trajectories.lying_eight",
@@ -89,9 +94,11 @@ _HOMES = {
     "motion_errors": "kreisel.evaluate.motion_errors",
     "MotionErrors": "kreisel.evaluate.motion_errors",
     "Mount": "kreisel.data.motion",
+    "NoiseModel": "kreisel.data.noise",
     "Note": "kreisel.data.motion",
     "Poses": "kreisel.data.trajectory",
     "read": "kreisel.files.doors",
+    "read_kalibr": "kreisel.files.kalibr",
     "Reference": "kreisel.data.attitude",
     "rest": "kreisel.simulate.trajectories.rest",
     "round_trip": "kreisel.study.round_trip",
@@ -103,6 +110,7 @@ _HOMES = {
     "Trajectory": "kreisel.data.trajectory",
     "Trial": "kreisel.data.trial",
     "write": "kreisel.files.doors",
+    "write_kalibr": "kreisel.files.kalibr",
 }
 
 __all__ = ["__version__", *sorted(_HOMES)]

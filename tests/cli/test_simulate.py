@@ -189,6 +189,7 @@ def test_the_demo_makes_what_it_says(tmp_path, capsys):
     text = capsys.readouterr().out
     names = {
         "imu.csv",
+        "imu-errors.npz",
         "truth.tum",
         "truth.npz",
         "path.png",
