@@ -55,7 +55,7 @@ def test_files_begin_at_the_folder_of_the_scenario(tmp_path):
         "accelerometer_random_walk: 0.0, update_rate: 200.0}"
     )
     (recorded,) = run(scenario("imu.yaml", folder=tmp_path)).recorded
-    assert list(recorded.errors["gyro"]) == ["white_noise"]
+    assert list(recorded.errors("gyro")) == ["white_noise"]
 
 
 def test_an_unknown_sensor_is_refused_with_its_place():

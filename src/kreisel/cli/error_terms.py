@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from kreisel.atomic import replacing
 from kreisel.data.checks import Array
 from kreisel.data.frames import from_enu_flu
-from kreisel.files.atomic import replacing
 from kreisel.simulate.recorded import Recorded
 
 
@@ -21,13 +21,16 @@ def write_error_terms(path: Path, recorded: Recorded, world: str) -> None:
     the name of an effect; gyro_bias and accel_bias, sums of the errors that are biases; seed.
     """
     arrays: dict[str, Any] = {"t": recorded.ideal.t}
-    sensors = list(recorded.errors)
+    errors = {
+        s: recorded.errors(s) for s in ("gyro", "accel", "mag_uT") if getattr(recorded.ideal, s) is not None
+    }
+    sensors = list(errors)
     ideal = {sensor: getattr(recorded.ideal, sensor) for sensor in sensors}
     arrays |= {f"ideal_{sensor}": x for sensor, x in _turned(recorded, ideal, world).items()}
     biases = _turned(recorded, {"gyro": recorded.gyro_bias, "accel": recorded.accel_bias}, world)
     arrays |= {f"{sensor}_bias": x for sensor, x in biases.items()}
-    for effect in dict.fromkeys(name for terms in recorded.errors.values() for name in terms):
-        terms = {s: recorded.errors[s][effect] for s in sensors if effect in recorded.errors[s]}
+    for effect in dict.fromkeys(name for terms in errors.values() for name in terms):
+        terms = {s: errors[s][effect] for s in sensors if effect in errors[s]}
         arrays |= {f"{sensor}_error_{effect}": x for sensor, x in _turned(recorded, terms, world).items()}
     with replacing(path) as out:
         np.savez(out, allow_pickle=False, **arrays, seed=np.array(recorded.seed))

@@ -10,7 +10,7 @@ from kreisel.data.checks import choice
 from kreisel.data.frames import WORLDS, to_enu_flu
 from kreisel.data.trial import Trial
 from kreisel.files.doors import KINDS, format_names, read
-from kreisel.files.formats import Noun
+from kreisel.files.formats import Content, Noun
 
 
 def add_input_arguments(parser: ArgumentParser, many: bool = False) -> None:
@@ -51,8 +51,14 @@ def read_input(args: Namespace, path: str | None = None, kind: str | None = None
     Of a benchmark's trial it is the recording.
     kind : "poses", "motion" or "imu" to insist on one whatever --kind says, as `kreisel.read` has it.
     """
+    data = read_content(args, path, kind)
+    return to_enu_flu(data.recording if isinstance(data, Trial) else data, args.frame)
+
+
+def read_content(args: Namespace, path: str | None = None, kind: str | None = None) -> Content:
+    """The same in the axes of the file, and a benchmark's trial as a whole."""
     choice("--frame", args.frame, tuple(WORLDS))
-    data = read(
+    return read(
         Path(args.input if path is None else path),
         args.from_format,
         kind=kind or args.kind,
@@ -60,7 +66,6 @@ def read_input(args: Namespace, path: str | None = None, kind: str | None = None
         rate_hz=args.input_rate,
         times=args.times,
     )
-    return to_enu_flu(data.recording if isinstance(data, Trial) else data, args.frame)
 
 
 def parse_columns(pairs: Sequence[str] | None) -> dict[str, str] | None:

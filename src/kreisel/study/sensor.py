@@ -34,10 +34,15 @@ def sensor_imu(
     return Imu.from_preset(preset, mount=mount, environment=environment)
 
 
+def errs(imu: Imu) -> bool:
+    """Whether it has any errors to draw or to add."""
+    return bool(imu.gyro_effects or imu.accel_effects)
+
+
 def record_all(
     imus: Sequence[Imu], motion: Motion, seed: int
 ) -> tuple[tuple[ImuRecording, ...], tuple[Recorded, ...]]:
     """What each IMU read, and of those with errors what is known of these; a perfect one needs no draw."""
-    known = {id(imu): imu.record(motion, seed) for imu in imus if imu.gyro_effects or imu.accel_effects}
+    known = {id(imu): imu.record(motion, seed) for imu in imus if errs(imu)}
     readings = tuple(known[id(imu)].measured if id(imu) in known else imu.ideal(motion) for imu in imus)
     return readings, tuple(known.values())

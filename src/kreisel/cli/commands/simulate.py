@@ -9,11 +9,22 @@ from pathlib import Path
 import numpy as np
 
 from kreisel.cli.inputs import add_input_arguments, read_input
-from kreisel.cli.outputs import aligned, describe_notes, describe_round_trip, write_simulation
-from kreisel.data.checks import choice
-from kreisel.data.frames import WORLDS
+from kreisel.cli.outputs import (
+    Simulation,
+    aligned,
+    check_outputs,
+    describe_notes,
+    describe_round_trip,
+    output_folder,
+    simulation_outputs,
+    write_outputs,
+)
+from kreisel.data.checks import choice, file_name
+from kreisel.data.frames import WORLDS, to_enu_flu
 from kreisel.data.motion import Mount
+from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses, even_times
+from kreisel.files.doors import format_names
 
 HELP = "IMU data of a body that moves along the poses in a file"
 
@@ -32,13 +43,16 @@ examples:
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     add_input_arguments(parser)
-    parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="folder for what is made")
+    parser.add_argument(
+        "-o", "--output", required=True, type=output_folder, metavar="FOLDER", help="folder for what is made"
+    )
     parser.add_argument(
         "--imu",
         action="append",
         metavar="[SENSOR@][NAME:]X,Y,Z[:RX,RY,RZ]",
-        help="lever arm from the body's origin in m, body axes, and turn of the sensor about x, y, z in deg "
-        "(z-y-x); SENSOR alone sits at the origin; may be given several times",
+        help="lever arm from the body's origin in m and turn of the sensor about x, y, z in deg (z-y-x), both in "
+        "the body axes of the input's world (--frame): z is down in ned-frd; SENSOR alone sits at the origin; "
+        "may be given several times",
     )
     parser.add_argument(
         "--sensor",
@@ -54,7 +68,12 @@ def configure(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--orientation", help="tangent or transport, in place of the file's attitude")
     parser.add_argument("--to-frame", default="enu-flu", help=f"world of the output: {', '.join(WORLDS)}")
-    parser.add_argument("--imu-format", default="csv", help="csv (default), npz, mat or euroc-imu")
+    parser.add_argument(
+        "--imu-format",
+        default="csv",
+        metavar="FORMAT",
+        help=f"{', '.join(format_names(ImuRecording))} (default: csv)",
+    )
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.add_argument("--animation", action="store_true", help="also write motion.gif")
     parser.add_argument(
@@ -68,35 +87,35 @@ def configure(parser: ArgumentParser) -> None:
 def run(args: Namespace) -> int:
     """Read, differentiate, mount, write."""
     from kreisel.simulate.trajectories.sampled import SampledTrajectory
-    from kreisel.study.sensor import record_all, sensor_imu
+    from kreisel.study.sensor import errs, record_all, sensor_imu
 
     started = time.perf_counter()
     choice("--to-frame", args.to_frame, tuple(WORLDS))
+    choice("--frame", args.frame, tuple(WORLDS))
+    choice("--imu-format", args.imu_format, format_names(ImuRecording))
     if args.seed < 0:
         raise ValueError(f"--seed must be a whole number, 0 or more; got {args.seed}.")
-    placed = [parse_imu(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
-    mounts = [mount for mount, _ in placed]
-    if len({m.name for m in mounts}) < len(mounts):
-        raise ValueError("two IMUs share a name; write --imu NAME:X,Y,Z with different names.")
-    imus = [sensor_imu(sensor or args.sensor, mount) for mount, sensor in placed]
-    poses = read_input(args, kind="poses")
-    assert isinstance(poses, Poses)  # the kind asked for
-    trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method)
-    motion = trajectory.sample(None if args.rate is None else even_times(*trajectory.span, args.rate))
-    recordings, recorded = record_all(imus, motion, args.seed)
-    lines = write_simulation(
-        Path(args.output),
-        motion,
-        mounts,
-        recordings,
-        recorded=recorded,
+    given = [parse_imu(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
+    mounts = [to_enu_flu(mount, args.frame) for mount, _ in given]
+    sensors = [sensor or args.sensor for _, sensor in given]
+    imus = [sensor_imu(sensor, mount) for mount, sensor in zip(mounts, sensors, strict=True)]
+    outputs = simulation_outputs(
+        [mount.name for mount in mounts],
+        erring=[imu.mount.name for imu in imus if errs(imu)],
         world=args.to_frame,
         imu_format=args.imu_format,
         pictures=not args.no_pictures,
         animation=args.animation,
     )
-    sensors = [sensor or args.sensor or "ideal sensor" for _, sensor in placed]
-    told = ", ".join(dict.fromkeys(sensors)) + (f", seed {args.seed}" if recorded else "")
+    check_outputs(args.output, outputs)
+    poses = read_input(args, kind="poses")
+    assert isinstance(poses, Poses)  # the kind asked for
+    trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method)
+    motion = trajectory.sample(None if args.rate is None else even_times(*trajectory.span, args.rate))
+    made = Simulation(motion, mounts, *record_all(imus, motion, args.seed))
+    lines = write_outputs(args.output, outputs, made)
+    told = ", ".join(dict.fromkeys(sensor or "ideal sensor" for sensor in sensors))
+    told += f", seed {args.seed}" if made.recorded else ""
     span = motion.t[-1] - motion.t[0]
     print(f"{args.input}: {len(poses)} poses over {span:.4g} s -> {len(motion)} IMU samples, {told}")
     print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
@@ -116,8 +135,8 @@ def parse_imu(text: str, number: int = 0) -> tuple[Mount, str | None]:
     if "@" in text:
         sensor, place = text.split("@", 1)
         return parse_mount(place, number, Path(sensor).stem), sensor
-    if "," not in text and ":" not in text and text:
-        return Mount(name=Path(text).stem), text
+    if text and "," not in text and ":" not in text:
+        return Mount(name=file_name("the NAME of --imu", Path(text).stem)), text
     return parse_mount(text, number), None
 
 
@@ -126,15 +145,18 @@ def parse_mount(text: str, number: int = 0, name: str = "") -> Mount:
     from kreisel.maths.rotations import matrix_from_euler
 
     parts = text.split(":")
-    named = bool(parts) and not _is_vector(parts[0])
+    named = not _is_vector(parts[0])
     name = parts.pop(0) if named else name or ("imu" if number == 0 else f"imu{number + 1}")
-    if not 1 <= len(parts) <= 2 or not all(map(_is_vector, parts)) or not name or set(name) & set("/\\"):
+    if not 1 <= len(parts) <= 2 or not all(map(_is_vector, parts)):
         raise ValueError(
             "--imu takes [SENSOR@][NAME:]X,Y,Z[:RX,RY,RZ], such as wrist:0.02,0,0.05 or bmi088@0.1,0,0; "
             f"got {text!r}."
         )
     p_BS, *turn = (np.array([float(x) for x in part.split(",")]) for part in parts)
-    return Mount(p_BS, matrix_from_euler(np.deg2rad(turn[0])) if turn else np.eye(3), name)
+    if not np.isfinite([p_BS, *turn]).all():
+        raise ValueError(f"--imu takes finite numbers; got {text!r}.")
+    R_BS = matrix_from_euler(np.deg2rad(turn[0])) if turn else np.eye(3)
+    return Mount(p_BS, R_BS, file_name("the NAME of --imu", name))
 
 
 def _is_vector(text: str) -> bool:
