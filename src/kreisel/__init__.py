@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from kreisel.data.motion import Motion as Motion
     from kreisel.data.motion import Mount as Mount
     from kreisel.data.motion import Note as Note
+    from kreisel.data.noise import NoiseModel as NoiseModel
     from kreisel.data.recording import ImuRecording as ImuRecording
     from kreisel.data.temperature import TemperatureHistory as TemperatureHistory
     from kreisel.data.trajectory import Poses as Poses
@@ -52,6 +53,9 @@ if TYPE_CHECKING:
     from kreisel.evaluate.motion_errors import motion_errors as motion_errors
     from kreisel.files.doors import read as read
     from kreisel.files.doors import write as write
+    from kreisel.files.kalibr import KalibrImu as KalibrImu
+    from kreisel.files.kalibr import read_kalibr as read_kalibr
+    from kreisel.files.kalibr import write_kalibr as write_kalibr
     from kreisel.simulate.clock import Clock as Clock
     from kreisel.simulate.clock import Sampling as Sampling
     from kreisel.simulate.effects.bandwidth import Bandwidth as Bandwidth
@@ -116,6 +120,7 @@ _HOMES = {
     "ImuIncrements": "kreisel.data.increments",
     "ImuRecording": "kreisel.data.recording",
     "integrate": "kreisel.estimate.strapdown",
+    "KalibrImu": "kreisel.files.kalibr",
     "line": "kreisel.simulate.trajectories.line",
     "lissajous": "kreisel.simulate.trajectories.lissajous",
     "lying_eight": "kreisel.simulate.trajectories.lying_eight",
@@ -125,12 +130,14 @@ _HOMES = {
     "MotionErrors": "kreisel.evaluate.motion_errors",
     "Mount": "kreisel.data.motion",
     "Nonlinearity": "kreisel.simulate.effects.nonlinearity",
+    "NoiseModel": "kreisel.data.noise",
     "Note": "kreisel.data.motion",
     "Poses": "kreisel.data.trajectory",
     "Quantisation": "kreisel.simulate.effects.quantisation",
     "Range": "kreisel.simulate.effects.range",
     "read": "kreisel.files.doors",
     "Recorded": "kreisel.simulate.recorded",
+    "read_kalibr": "kreisel.files.kalibr",
     "Reference": "kreisel.data.attitude",
     "rest": "kreisel.simulate.trajectories.rest",
     "round_trip": "kreisel.study.round_trip",
@@ -151,6 +158,7 @@ _HOMES = {
     "VibrationNoise": "kreisel.simulate.effects.vibration_noise",
     "WhiteNoise": "kreisel.simulate.effects.white_noise",
     "write": "kreisel.files.doors",
+    "write_kalibr": "kreisel.files.kalibr",
 }
 
 __all__ = ["__version__", *sorted(_HOMES)]

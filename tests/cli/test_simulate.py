@@ -235,6 +235,7 @@ def test_the_demo_makes_what_it_says(tmp_path, capsys):
     text = capsys.readouterr().out
     names = {
         "imu.csv",
+        "imu-errors.npz",
         "truth.tum",
         "truth.npz",
         "path.png",
@@ -252,3 +253,80 @@ def test_the_demo_makes_what_it_says(tmp_path, capsys):
     recording = read(tmp_path / "imu.csv", kind="imu")
     assert len(recording) == 1001
     assert np.isfinite(recording.accel).all()
+
+
+def simulate(poses, out, *options):
+    return main(["simulate", str(poses), "-o", str(out), "--no-pictures", *options])
+
+
+def test_a_bare_sensor_sits_at_the_origin_and_leaves_its_error_terms(poses, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert simulate(poses, out, "--imu", "bmi088", "--seed", "7") == 0
+    assert "bmi088, seed 7" in capsys.readouterr().out
+    measured = read(out / "bmi088.csv", kind="imu")
+    terms = np.load(out / "bmi088-errors.npz")
+    for sensor in ("gyro", "accel"):
+        added = [terms[name] for name in terms.files if name.startswith(f"{sensor}_error_")]
+        # Nine digits in the file.
+        np.testing.assert_allclose(
+            getattr(measured, sensor), terms[f"ideal_{sensor}"] + sum(added), atol=1e-6
+        )
+    np.testing.assert_array_equal(terms["gyro_bias"], terms["gyro_error_turn_on_bias"])
+    assert {"gyro_error_white_noise", "accel_error_quantisation"} <= set(terms.files)
+    assert terms["seed"] == 7
+
+
+def test_sensors_are_placed_and_the_seed_decides(poses, tmp_path):
+    placed = ["--sensor", "stim300", "--imu", "bmi088@0.5,0,0:0,0,180", "--imu", "tail:-0.5,0,0"]
+    for folder, seed in (("a", "1"), ("b", "1"), ("c", "2")):
+        assert simulate(poses, tmp_path / folder, "--seed", seed, *placed) == 0
+    a, b, c = ((tmp_path / folder / "tail.csv").read_text() for folder in "abc")
+    assert a == b != c
+    terms = np.load(tmp_path / "a" / "bmi088-errors.npz")
+    # Half a metre ahead at 1 rad/s, turned by half a turn.
+    np.testing.assert_allclose(terms["ideal_accel"], np.tile([0.5, -2.0, 9.80665], (200, 1)), atol=1e-5)
+    assert "gyro_error_bias_instability" in np.load(tmp_path / "a" / "tail-errors.npz").files
+
+
+def test_error_terms_turn_with_the_world(poses, tmp_path):
+    for world in ("enu-flu", "matlab"):
+        assert simulate(poses, tmp_path / world, "--imu", "bmi088", "--to-frame", world) == 0
+    ours, theirs = (np.load(tmp_path / world / "bmi088-errors.npz") for world in ("enu-flu", "matlab"))
+    # FRD: y and z change sign; MATLAB's accelerometer is the negative of ours on top of that.
+    np.testing.assert_array_equal(
+        theirs["gyro_error_white_noise"], ours["gyro_error_white_noise"] * [1, -1, -1]
+    )
+    np.testing.assert_array_equal(
+        theirs["accel_error_white_noise"], ours["accel_error_white_noise"] * [-1, 1, 1]
+    )
+
+
+def test_kalibr_and_preset_files_are_sensors_too(poses, tmp_path):
+    kalibr = tmp_path / "imu.yaml"
+    kalibr.write_text(
+        "gyroscope_noise_density: 1.0e-4\ngyroscope_random_walk: 1.0e-6\naccelerometer_noise_density: 1.0e-3\n"
+        "accelerometer_random_walk: 1.0e-5\nupdate_rate: 200.0\n"
+    )
+    out = tmp_path / "out"
+    assert simulate(poses, out, "--sensor", str(kalibr)) == 0
+    assert "gyro_error_bias_random_walk" in np.load(out / "imu-errors.npz").files
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--imu", "bmi08"], "Did you mean 'bmi088'"),
+        (["--sensor", "bmi08"], "Did you mean 'bmi088'"),
+        (["--imu", "bmi088", "--imu", "bmi088"], "two files would be called 'bmi088.csv'"),
+        (["--imu", "bmi088@here"], "--imu takes"),
+        (["--imu", "bmi088", "--seed", "-1"], "--seed must be a whole number, 0 or more"),
+        (["--sensor", "none.yaml"], "cannot read none.yaml"),
+        (
+            ["--imu", "a:0,0,0", "--imu", "a-errors:0,0,0", "--sensor", "bmi088", "--imu-format", "npz"],
+            "two files would be called 'a-errors.npz'",
+        ),
+    ],
+)
+def test_sensors_that_cannot_be(poses, tmp_path, capsys, options, message):
+    assert simulate(poses, tmp_path / "out", *options) == 1
+    assert message in capsys.readouterr().err

@@ -19,6 +19,7 @@ from kreisel.files.doors import suffix, write
 if TYPE_CHECKING:
     from kreisel.data.recording import ImuRecording
     from kreisel.simulate.imu import Imu
+    from kreisel.simulate.recorded import Recorded
 
 # Shown of each kind of note; a path with a thousand reversals must not bury the summary.
 _NOTES_SHOWN = 4
@@ -55,6 +56,11 @@ class Simulated(Protocol):
         """What they read."""
         ...
 
+    @property
+    def recorded(self) -> Sequence[Recorded]:
+        """Of the IMUs with errors: what is known of these."""
+        ...
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Simulation:
@@ -63,6 +69,7 @@ class Simulation:
     motion: Motion
     mounts: Sequence[Mount]
     recordings: Sequence[ImuRecording]
+    recorded: Sequence[Recorded] = ()
 
 
 def output_folder(text: str) -> Path:
@@ -121,13 +128,15 @@ def write_json(report: Any, path: Path) -> None:
 def simulation_outputs(
     imus: Sequence[str],
     *,
+    erring: Sequence[str] = (),
     magnetometer: bool = False,
     world: str = "enu-flu",
     imu_format: str = "csv",
     pictures: bool = True,
     animation: bool = False,
 ) -> list[Output[Simulated]]:
-    """IMU data, truth and pictures of a simulation whose IMUs have these names."""
+    """IMU data, truth and pictures of a simulation whose IMUs have these names; `erring` are those with errors."""
+    from kreisel.cli.error_terms import write_error_terms
     from kreisel.data.frames import from_enu_flu
 
     taken = next((name for name in imus if name.casefold() in _TAKEN), None)
@@ -137,6 +146,9 @@ def simulation_outputs(
     def recording(k: int) -> Callable[[Simulated, Path], None]:
         return lambda made, path: write(path, from_enu_flu(made.recordings[k], world), format=imu_format)
 
+    def errors(k: int) -> Callable[[Simulated, Path], None]:
+        return lambda made, path: write_error_terms(path, made.recorded[k], world)
+
     def truth(made: Simulated, path: Path) -> None:
         write(path, from_enu_flu(made.motion, world))
 
@@ -145,8 +157,10 @@ def simulation_outputs(
         Output(f"{name}{suffix(imu_format)}", f"{', '.join(sensors)} of {name}", recording(k))
         for k, name in enumerate(imus)
     ]
+    what = "ideal readings, biases and every error term of"
     return [
         *data,
+        *(Output(f"{name}-errors.npz", f"{what} {name}", errors(k)) for k, name in enumerate(erring)),
         Output("truth.tum", "position and attitude of the body, as evo and others read it", truth),
         Output("truth.npz", "the whole motion, for numpy.load", truth),
         *(_pictures(imus) if pictures else ()),

@@ -20,6 +20,7 @@ from kreisel.files.doors import read
 from kreisel.maths.rotations import matrix_from_euler
 from kreisel.simulate.imu import Imu
 from kreisel.study.scenario import EnvironmentRecipe, FilterRecipe, ImuRecipe, Scenario, TrajectoryRecipe
+from kreisel.study.sensor import sensor_imu
 from kreisel.study.signature import Place, call
 
 TRAJECTORIES = "kreisel.simulate.trajectories"
@@ -44,7 +45,10 @@ def build(scenario: Scenario, where: Place | None = None) -> Parts:
     return Parts(
         trajectory,
         _times(scenario, trajectory, place),
-        tuple(_imu(imu, surroundings) for imu in scenario.imus),
+        tuple(
+            _imu(imu, surroundings, scenario.folder, place.at("imu", k))
+            for k, imu in enumerate(scenario.imus)
+        ),
         tuple(
             (recipe.name, _filter(recipe, declination(scenario.environment), place.at("filter", k)))
             for k, recipe in enumerate(scenario.filters)
@@ -146,9 +150,13 @@ def _environment(recipe: EnvironmentRecipe) -> Environment:
     return Environment(np.array([0.0, 0.0, -recipe.gravity]), field)
 
 
-def _imu(recipe: ImuRecipe, environment: Environment) -> Imu:
+def _imu(recipe: ImuRecipe, environment: Environment, folder: Path, where: Place) -> Imu:
     R_BS = matrix_from_euler(np.deg2rad(recipe.rotation_deg))
-    return Imu(Mount(np.array(recipe.p_BS), R_BS, recipe.name), environment=environment)
+    mount = Mount(np.array(recipe.p_BS), R_BS, recipe.name)
+    try:
+        return sensor_imu(recipe.sensor, mount, environment, folder)
+    except ValueError as error:
+        raise ValueError(f"{where.at('sensor')}: {error}") from None
 
 
 def filter_kinds() -> list[str]:

@@ -13,10 +13,12 @@ from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.study.building import build, declination
 from kreisel.study.scenario import Scenario, TrajectoryRecipe
+from kreisel.study.sensor import record_all
 
 if TYPE_CHECKING:
     from kreisel.data.attitude import AttitudeHistory
     from kreisel.evaluate.attitude_errors import AttitudeErrors, Summary
+    from kreisel.simulate.recorded import Recorded
 
 SCHEMA = "kreisel.run/1"
 
@@ -45,6 +47,7 @@ class Result:
     mounts: tuple[Mount, ...]  # one per IMU
     recordings: tuple[ImuRecording, ...]  # one per IMU
     estimates: tuple[Estimate, ...]  # one per IMU and filter, IMU by IMU
+    recorded: tuple[Recorded, ...] = ()  # of the IMUs with errors: truth and every error term
 
     def report(self) -> dict[str, Any]:
         """The run in numbers and texts that JSON holds; "schema" names their layout.
@@ -72,13 +75,14 @@ def run(scenario: Scenario) -> Result:
     """Sample, record, estimate, compare. Raises ValueError for a recipe that cannot be made."""
     parts = build(scenario)
     motion = parts.trajectory.sample(parts.t)
-    recordings = tuple(imu.ideal(motion) for imu in parts.imus)
+    recordings, recorded = record_all(parts.imus, motion, scenario.seed)
     estimates = [
         _estimate(name, filter, recording, motion.at(imu.mount))
         for imu, recording in zip(parts.imus, recordings, strict=True)
         for name, filter in parts.filters
     ]
-    return Result(scenario, motion, tuple(imu.mount for imu in parts.imus), recordings, tuple(estimates))
+    mounts = tuple(imu.mount for imu in parts.imus)
+    return Result(scenario, motion, mounts, recordings, tuple(estimates), recorded)
 
 
 def _estimate(name: str, filter: Any, recording: ImuRecording, truth: Motion) -> Estimate:

@@ -43,11 +43,12 @@ class FilterRecipe:
 
 @dataclass(frozen=True)
 class ImuRecipe:
-    """Where an IMU sits on the body and how it is turned."""
+    """Where an IMU sits on the body, how it is turned, and which sensor it is."""
 
     name: str = "imu"  # in reports and file names
     p_BS: Vector = (0.0, 0.0, 0.0)  # m, lever arm in B
     rotation_deg: Vector = (0.0, 0.0, 0.0)  # turn of S against B about x, y, z: R_BS = Rz Ry Rx
+    sensor: str | None = None  # a preset, a preset file or kalibr's; None: a perfect one
 
     def __post_init__(self) -> None:
         put = object.__setattr__

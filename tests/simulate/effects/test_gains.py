@@ -30,6 +30,16 @@ def test_scale_multiplies() -> None:
     np.testing.assert_allclose(recorded.measured.gyro, expected, rtol=1e-15)
 
 
+def test_misalignment_is_drawn_anew_in_every_run_off_the_diagonal(rng: np.random.Generator) -> None:
+    """At rest gravity lies along z: x and y hear of it by what was drawn, z keeps its length."""
+    effect, motion = Misalignment(sigma=0.01), rest().sample(T[:2])
+    seeds = int(rng.integers(2**62)) + np.arange(300)
+    heard = np.array([Imu(accel_effects=[effect]).record(motion, seed).measured.accel[0] for seed in seeds])
+    np.testing.assert_array_equal(heard[:, 2], STANDARD_GRAVITY)
+    # 600 draws: 3 %, five of them.
+    np.testing.assert_allclose(np.std(heard[:, :2]) / STANDARD_GRAVITY, 0.01, rtol=0.15)
+
+
 def test_scale_is_drawn_anew_in_every_run(rng: np.random.Generator) -> None:
     effect, motion = ScaleFactor(sigma=0.1), rest().sample(T[:2])
     seeds = int(rng.integers(2**62)) + np.arange(300)

@@ -21,6 +21,8 @@ from kreisel.cli.outputs import (
 
 HELP = "the whole loop on built-in paths: IMU data, truth, attitude, pictures"
 
+SENSOR, SEED = "bmi088", 7
+
 # Central Europe: 18.5 uT to the north and 45 uT down, rounded.
 _FIELD_N_UT = (0.0, 18.5, -45.0)
 
@@ -45,7 +47,10 @@ def run(args: Namespace) -> int:
     print(
         "   A body flies the loop of figure 1 (0.8 x 0.8 x 0.3 m, 1 Hz), its nose along the path. An IMU sits"
     )
-    print("   75 mm behind, 75 mm to the right of and 25 mm above its centre of mass: 5 s at 200 Hz.")
+    print(
+        "   75 mm behind, 75 mm to the right of and 25 mm above its centre of mass: 5 s at 200 Hz. It is a BMI088"
+    )
+    print(f"   with the errors of its datasheet (kreisel sensors {SENSOR}).")
     print(aligned(_figure_1(folder)))
     print("\n2. From IMU data back to attitude")
     print(
@@ -61,17 +66,17 @@ def run(args: Namespace) -> int:
 
 
 def _figure_1(folder: Path) -> list[str]:
-    """The document's loop with an ideal IMU off the centre of mass."""
+    """The document's loop with a real IMU off the centre of mass."""
     from kreisel.data.motion import Mount
-    from kreisel.simulate.imu import Imu
     from kreisel.simulate.trajectories.lissajous import lissajous
+    from kreisel.study.sensor import record_all, sensor_imu
 
     motion = lissajous().sample(np.arange(1001) / 200.0)
     mount = Mount(p_BS=np.array([-0.075, -0.075, 0.025]))
-    made = Simulation(motion, (mount,), (Imu(mount).ideal(motion),))
+    made = Simulation(motion, (mount,), *record_all([sensor_imu(SENSOR, mount)], motion, SEED))
     for line in describe_notes(motion.notes):
         print(line)
-    return write_outputs(folder, simulation_outputs([mount.name], animation=True), made)
+    return write_outputs(folder, simulation_outputs([mount.name], erring=[mount.name], animation=True), made)
 
 
 def _eight(folder: Path) -> list[str]:

@@ -82,7 +82,8 @@ def _described(scenario: Scenario, result: Result) -> list[str]:
     t, recipe = result.motion.t, scenario.trajectory
     kind = recipe.kind if isinstance(recipe, TrajectoryRecipe) else type(recipe).__name__
     span = f"{len(t)} samples from {t[0]:.6g} to {t[-1]:.6g} s"
-    lines = [f"{scenario.name or 'scenario'}: {kind}, {span}, ideal sensors, seed {scenario.seed}"]
+    sensors = ", ".join(dict.fromkeys(imu.sensor or "ideal sensor" for imu in scenario.imus))
+    lines = [f"{scenario.name or 'scenario'}: {kind}, {span}, {sensors}, seed {scenario.seed}"]
     if scenario.environment.field_N_uT is not None:
         field = scenario.environment.field_N_uT
         size = f"{np.linalg.norm(field):.4g} uT, dip {np.rad2deg(np.arctan2(-field[2], np.hypot(*field[:2]))):.1f} deg"
@@ -113,10 +114,13 @@ def errors_table(estimates: Sequence[Estimate]) -> str:
 
 def _outputs(scenario: Scenario, pictures: bool) -> list[Output[Result]]:
     """Every file that a run of `scenario` writes."""
+    from kreisel.study.sensor import errs, sensor_imu
+
     imus = [imu.name for imu in scenario.imus]
+    erring = [imu.name for imu in scenario.imus if errs(sensor_imu(imu.sensor, folder=scenario.folder))]
     magnetometer = scenario.environment.field_N_uT is not None
     outputs: list[Output[Result]] = [
-        *simulation_outputs(imus, magnetometer=magnetometer, pictures=pictures),
+        *simulation_outputs(imus, erring=erring, magnetometer=magnetometer, pictures=pictures),
         Output(
             "report.json",
             "the scenario and all errors, for programs",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from argparse import ArgumentParser, Namespace
+from pathlib import Path
 
 import numpy as np
 
@@ -31,6 +32,8 @@ _EXAMPLES = """\
 examples:
   kreisel simulate poses.csv -o out/
   kreisel simulate poses.tum -o out/ --rate 400 --imu wrist:0.02,0,0.05
+  kreisel simulate poses.csv -o out/ --imu bmi088 --seed 7
+  kreisel simulate poses.csv -o out/ --sensor bmi088 --imu left:0,0.1,0 --imu right:0,-0.1,0
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
   kreisel simulate flight.csv -o out/ --frame ned-frd
   kreisel simulate poses.csv -o out/ --rate 1000 --check
@@ -46,9 +49,18 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--imu",
         action="append",
-        metavar="[NAME:]X,Y,Z[:RX,RY,RZ]",
+        metavar="[SENSOR@][NAME:]X,Y,Z[:RX,RY,RZ]",
         help="lever arm from the body's origin in m and turn of the sensor about x, y, z in deg (z-y-x), both in "
-        "the body axes of the input's world (--frame): z is down in ned-frd; may be given several times",
+        "the body axes of the input's world (--frame): z is down in ned-frd; SENSOR alone sits at the origin; "
+        "may be given several times",
+    )
+    parser.add_argument(
+        "--sensor",
+        help="sensor of all IMUs that name none: a preset (see kreisel sensors), a preset file .toml or kalibr's "
+        ".yaml (default: perfect sensors)",
+    )
+    parser.add_argument(
+        "--seed", type=int, default=0, help="whole number from which noise is drawn (default 0)"
     )
     parser.add_argument("--rate", type=float, metavar="HZ", help="IMU rate (default: the times of the poses)")
     parser.add_argument(
@@ -74,17 +86,22 @@ def configure(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Read, differentiate, mount, write."""
-    from kreisel.simulate.imu import Imu
     from kreisel.simulate.trajectories.sampled import SampledTrajectory
+    from kreisel.study.sensor import errs, record_all, sensor_imu
 
     started = time.perf_counter()
     choice("--to-frame", args.to_frame, tuple(WORLDS))
     choice("--frame", args.frame, tuple(WORLDS))
     choice("--imu-format", args.imu_format, format_names(ImuRecording))
-    given = [parse_mount(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
-    mounts = [to_enu_flu(mount, args.frame) for mount in given]
+    if args.seed < 0:
+        raise ValueError(f"--seed must be a whole number, 0 or more; got {args.seed}.")
+    given = [parse_imu(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
+    mounts = [to_enu_flu(mount, args.frame) for mount, _ in given]
+    sensors = [sensor or args.sensor for _, sensor in given]
+    imus = [sensor_imu(sensor, mount) for mount, sensor in zip(mounts, sensors, strict=True)]
     outputs = simulation_outputs(
         [mount.name for mount in mounts],
+        erring=[imu.mount.name for imu in imus if errs(imu)],
         world=args.to_frame,
         imu_format=args.imu_format,
         pictures=not args.no_pictures,
@@ -95,28 +112,46 @@ def run(args: Namespace) -> int:
     assert isinstance(poses, Poses)  # the kind asked for
     trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method)
     motion = trajectory.sample(None if args.rate is None else even_times(*trajectory.span, args.rate))
-    made = Simulation(motion, mounts, [Imu(mount).ideal(motion) for mount in mounts])
+    made = Simulation(motion, mounts, *record_all(imus, motion, args.seed))
     lines = write_outputs(args.output, outputs, made)
+    told = ", ".join(dict.fromkeys(sensor or "ideal sensor" for sensor in sensors))
+    told += f", seed {args.seed}" if made.recorded else ""
     span = motion.t[-1] - motion.t[0]
-    print(f"{args.input}: {len(poses)} poses over {span:.4g} s -> {len(motion)} IMU samples, ideal sensor")
+    print(f"{args.input}: {len(poses)} poses over {span:.4g} s -> {len(motion)} IMU samples, {told}")
     print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
     print(f"written in {time.perf_counter() - started:.1f} s:")
     print(aligned(lines))
     if args.check:
         print("integrated back from the first pose, the largest errors are:")
-        print(aligned([line for mount in mounts for line in describe_round_trip(Imu(mount), motion)]))
+        print(aligned([line for imu in imus for line in describe_round_trip(imu, motion)]))
     return 0
 
 
-def parse_mount(text: str, number: int = 0) -> Mount:
-    """The mount that "[NAME:]X,Y,Z[:RX,RY,RZ]" (m, deg) describes."""
+def parse_imu(text: str, number: int = 0) -> tuple[Mount, str | None]:
+    """Mount and sensor that "[SENSOR@][NAME:]X,Y,Z[:RX,RY,RZ]" (m, deg) or "SENSOR" describes.
+
+    An IMU with a sensor and no name is called as the sensor is.
+    """
+    if "@" in text:
+        sensor, place = text.split("@", 1)
+        return parse_mount(place, number, Path(sensor).stem), sensor
+    if text and "," not in text and ":" not in text:
+        return Mount(name=file_name("the NAME of --imu", Path(text).stem)), text
+    return parse_mount(text, number), None
+
+
+def parse_mount(text: str, number: int = 0, name: str = "") -> Mount:
+    """The mount that "[NAME:]X,Y,Z[:RX,RY,RZ]" (m, deg) describes; without a NAME it gets `name`."""
     from kreisel.maths.rotations import matrix_from_euler
 
     parts = text.split(":")
     named = not _is_vector(parts[0])
-    name = parts.pop(0) if named else ("imu" if number == 0 else f"imu{number + 1}")
+    name = parts.pop(0) if named else name or ("imu" if number == 0 else f"imu{number + 1}")
     if not 1 <= len(parts) <= 2 or not all(map(_is_vector, parts)):
-        raise ValueError(f"--imu takes [NAME:]X,Y,Z[:RX,RY,RZ], such as wrist:0.02,0,0.05; got {text!r}.")
+        raise ValueError(
+            "--imu takes [SENSOR@][NAME:]X,Y,Z[:RX,RY,RZ], such as wrist:0.02,0,0.05 or bmi088@0.1,0,0; "
+            f"got {text!r}."
+        )
     p_BS, *turn = (np.array([float(x) for x in part.split(",")]) for part in parts)
     if not np.isfinite([p_BS, *turn]).all():
         raise ValueError(f"--imu takes finite numbers; got {text!r}.")

@@ -1,0 +1,176 @@
+"""Turns sensor presets into a table, and one of them into its numbers with their sources: `kreisel sensors`."""
+
+from __future__ import annotations
+
+import json
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kreisel.cli.tables import plain, print_table
+from kreisel.data.environment import STANDARD_GRAVITY
+from kreisel.data.noise import ALLAN_FLOOR, NoiseModel
+
+if TYPE_CHECKING:
+    from kreisel.simulate.presets import Preset
+
+HELP = "sensors to simulate, from their datasheets; one with its numbers and where they are stated"
+
+_EXAMPLES = """\
+examples:
+  kreisel sensors                        all presets
+  kreisel sensors bmi088                 one, each value with its source
+  kreisel sensors imu.yaml               what the numbers of a kalibr file mean
+  kreisel sensors mine.toml --kalibr imu.yaml --rate 200
+
+docs/datasheets.md says how a datasheet becomes a noise model.
+"""
+
+# Of both sensors: what is shown, its unit, and that unit over the SI one.
+_DEG = 180.0 / np.pi
+_SHOWN = {
+    "gyro": (
+        ("white_noise", "angle random walk N", "deg/sqrt(h)", _DEG * 60.0),
+        ("bias_instability", "bias instability, floor", "deg/h", _DEG * 3600.0 * ALLAN_FLOOR),
+        ("bias_random_walk", "bias random walk K", "deg/s/sqrt(s)", _DEG),
+        ("turn_on_bias", "turn-on bias, one sigma", "deg/s", _DEG),
+    ),
+    "accel": (
+        ("white_noise", "velocity random walk N", "m/s/sqrt(h)", 60.0),
+        ("bias_instability", "bias instability, floor", "ug", 1e6 / STANDARD_GRAVITY * ALLAN_FLOOR),
+        ("bias_random_walk", "bias random walk K", "ug/sqrt(s)", 1e6 / STANDARD_GRAVITY),
+        ("turn_on_bias", "turn-on bias, one sigma", "mg", 1e3 / STANDARD_GRAVITY),
+    ),
+}
+_SI = {
+    "white_noise": "{}/sqrt(Hz)",
+    "bias_instability": "{}",
+    "bias_random_walk": "{}/sqrt(s)",
+    "turn_on_bias": "{}",
+}
+
+
+def configure(parser: ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.add_argument(
+        "sensor", nargs="?", metavar="SENSOR", help="a preset, a .toml file, or kalibr's .yaml"
+    )
+    parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
+    parser.add_argument("--kalibr", metavar="FILE", help="also write the sensor's noise as kalibr's imu.yaml")
+    parser.add_argument(
+        "--rate", type=float, default=200.0, metavar="HZ", help="rate to write there (default 200)"
+    )
+    parser.epilog = _EXAMPLES
+
+
+def run(args: Namespace) -> int:
+    """List all, or show one."""
+    from kreisel.simulate.presets import GRADES, load, names
+
+    if args.sensor is None:
+        if args.kalibr:
+            raise ValueError("--kalibr writes one sensor; name it: kreisel sensors SENSOR --kalibr FILE.")
+        presets = sorted(map(load, names()), key=lambda preset: GRADES.index(preset.grade))
+        _list(presets, args.json)
+        return 0
+    if Path(args.sensor).suffix in (".yaml", ".yml"):
+        from kreisel.files.kalibr import read_kalibr
+
+        found = read_kalibr(args.sensor)
+        models, preset = {"gyro": found.gyro, "accel": found.accel}, None
+    else:
+        preset = load(args.sensor)
+        gyro, accel = preset.triads()
+        models = {"gyro": gyro.noise, "accel": accel.noise}
+    if args.kalibr:
+        from kreisel.files.kalibr import KalibrImu, write_kalibr
+
+        write_kalibr(args.kalibr, KalibrImu(models["gyro"], models["accel"], args.rate))
+    if args.json:
+        told = _preset_json(preset) if preset else {"name": args.sensor, "noise": _noise_json(models)}
+        print(json.dumps({"schema": "kreisel.sensors/1", "sensors": [told]}, indent=2))
+    else:
+        print("\n".join([*(_stated(preset) if preset else [args.sensor]), *_meaning(models)]))
+        if args.kalibr:
+            print(f"\n{args.kalibr}  written for kalibr")
+    return 0
+
+
+def _list(presets: list[Preset], as_json: bool) -> None:
+    if as_json:
+        told = [_preset_json(preset) for preset in presets]
+        print(json.dumps({"schema": "kreisel.sensors/1", "sensors": told}, indent=2))
+        return
+    header = ("sensor", "grade", "gyro deg/sqrt(h)", "deg/h", "range", "accel m/s/sqrt(h)", "ug", "range")
+    print_table(header, [_row(preset) for preset in presets])
+    print(
+        "\nrandom walk N, bias instability (floor of the Allan deviation), range in deg/s and g; - is not stated. "
+        "kreisel sensors SENSOR shows more."
+    )
+
+
+def _row(preset: Preset) -> tuple[str, ...]:
+    cells = [preset.name, preset.grade]
+    for (sensor, shown), triad in zip(_SHOWN.items(), preset.triads(), strict=True):
+        cells += [_cell(getattr(triad.noise, quantity) * factor) for quantity, _, _, factor in shown[:2]]
+        cells.append(
+            _cell(preset.values.get("gyro_range_deg_per_s" if sensor == "gyro" else "accel_range_g", 0))
+        )
+    return tuple(cells)
+
+
+def _cell(value: Any) -> str:
+    """The largest of the axes, to four digits."""
+    worst = float(np.max(value))
+    return f"{worst:.4g}" if worst else "-"
+
+
+def _stated(preset: Preset) -> list[str]:
+    from kreisel.simulate.datasheet import PARAMETERS
+
+    lines = [f"{preset.part}, {preset.maker}, {preset.grade}".replace(", ,", ","), preset.datasheet, ""]
+    for name, value in preset.values.items():
+        axes = " ".join(f"{x:g}" for x in np.atleast_1d(value))
+        lines.append(f"  {name} = {axes} {PARAMETERS[name].unit}: {PARAMETERS[name].meaning}")
+        lines.append(f"      {preset.sources[name]}")
+    return lines
+
+
+def _meaning(models: dict[str, NoiseModel]) -> list[str]:
+    """What the noise is in customary and in SI units; of axes that differ the noisiest."""
+    rows = []
+    for sensor, model in models.items():
+        unit = "rad/s" if sensor == "gyro" else "m/s^2"
+        for quantity, meaning, customary, factor in _SHOWN[sensor]:
+            value = float(np.max(getattr(model, quantity)))
+            if value:
+                si = _SI[quantity].format(unit)
+                rows.append(
+                    (f"  {sensor} {meaning}", f"{value * factor:.4g} {customary}", f"{value:.4g} {si}")
+                )
+    return ["", *plain(("which means, simulated", "", "in SI units"), rows)]
+
+
+def _noise_json(models: dict[str, NoiseModel]) -> dict[str, Any]:
+    """SI units, per axis."""
+    return {
+        sensor: {quantity: getattr(model, quantity).tolist() for quantity in _SI}
+        for sensor, model in models.items()
+    }
+
+
+def _preset_json(preset: Preset) -> dict[str, Any]:
+    gyro, accel = preset.triads()
+    return {
+        "name": preset.name,
+        "part": preset.part,
+        "maker": preset.maker,
+        "grade": preset.grade,
+        "datasheet": preset.datasheet,
+        "values": {
+            name: {"value": value, "source": preset.sources[name]} for name, value in preset.values.items()
+        },
+        "noise": _noise_json({"gyro": gyro.noise, "accel": accel.noise}),
+    }
