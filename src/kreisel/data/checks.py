@@ -184,7 +184,7 @@ def file_name(name: str, value: Any) -> str:
     return value
 
 
-def number(name: str, value: Any, above: float | None = None, zero: bool = True) -> float:
+def finite_number(name: str, value: Any, above: float | None = None, zero: bool = True) -> float:
     """`value` as a finite float, or a ValueError: not above `above`, or 0 where that has no meaning."""
     try:
         x = np.nan if isinstance(value, bool | str) else float(value)
@@ -231,7 +231,7 @@ def per_axis(name: str, value: Any, unit: str, lowest: float = -LARGEST, highest
     return read_only(np.full(3, array))
 
 
-def number(name: str, value: Any, unit: str, lowest: float = -LARGEST, highest: float = LARGEST) -> float:
+def scalar(name: str, value: Any, unit: str, lowest: float = -LARGEST, highest: float = LARGEST) -> float:
     """`value` as a float, or a ValueError outside [lowest, highest] that names the unit."""
     array = as_array(name, value)
     if array.shape != () or not lowest <= float(array) <= highest:

@@ -115,6 +115,13 @@ def first_rows(head: bytes) -> tuple[list[str], list[str]]:
     return comments_above(whole), [line for line in whole if is_data(line)]
 
 
+def starts_with_numbers(head: bytes, count: int) -> bool:
+    """Whether the first row of a file is `count` numbers between blanks."""
+    _, rows = first_rows(head)
+    fields = rows[0].split() if rows else []
+    return len(fields) == count and all(map(is_number, fields))
+
+
 def starts_with_nanoseconds(comments: Sequence[str], rows: Sequence[str], widths: Sequence[int]) -> bool:
     """Whether rows look like EuRoC's: one of `widths` numbers between commas, the first an integer stamp."""
     fields = [field.strip() for field in rows[0].split(",")] if rows else []
@@ -162,6 +169,24 @@ def load(
     return _stamps(file, np.ascontiguousarray(table["stamp"]), names[stamp]), np.ascontiguousarray(
         table["values"]
     )
+
+
+def load_timed(
+    file: TextFile,
+    delimiter: str | None,
+    names: Sequence[str],
+    use: Sequence[int],
+    digits: int,
+    nan_ok: bool = False,
+) -> tuple[Array, int, Array]:
+    """(t, t0_ns, values): the stamps in the first column and the numbers in columns `use`, all checked.
+
+    digits : of the stamps' unit down to nanoseconds, as `clock` takes them. nan_ok : NaN is a missing sample.
+    """
+    stamps, values = load(file, delimiter, names, 0, use)
+    assert stamps is not None  # the column asked for
+    t, t0_ns = checked_clock(file, stamps, digits, names[0])
+    return t, t0_ns, checked_finite(file, values, [names[k] for k in use], nan_ok)
 
 
 def _has_gaps(text: str, delimiter: str) -> bool:

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
 
-from kreisel.data.checks import instance, read_only
+from kreisel.data.checks import Array, choice, instance, read_only
 from kreisel.data.environment import Environment
 from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.data.temperature import TemperatureHistory
 from kreisel.maths.kinematics import specific_force
-from kreisel.maths.random import Stream, seed_from, stream
+from kreisel.maths.random import seed_from, stream
 from kreisel.maths.rotations import log_so3
 from kreisel.simulate.chain import BLOCK, Sensed, sense
-from kreisel.simulate.clock import Clock, Rows, steps
+from kreisel.simulate.clock import Clock, Rows, Sampling, count, spread, steps
 from kreisel.simulate.context import Context
 from kreisel.simulate.effects import Effect
 from kreisel.simulate.recorded import Recorded
@@ -99,7 +99,7 @@ class Imu:
         )
 
     def record(self, motion: Motion, rng: int | np.random.Generator, run: int = 0) -> Recorded:
-        """What this IMU reads at the times of `motion`, with every error it made.
+        """What this IMU reads at the times of `motion`, with its biases and, when asked for, every error it made.
 
         rng: a seed, or a generator from which one is drawn. run: number of the run in an ensemble of one seed.
         Every effect draws from a stream of its own, keyed by seed, run, name of the mount, sensor and name
@@ -109,14 +109,14 @@ class Imu:
         and effects that do not suit their sensor.
         """
         self._check(motion)
-        seed, sensor_name = seed_from(rng), self.mount.name
+        seed = seed_from(rng)
         ideal = self.ideal(motion)
         sensed = {
-            sensor: self._sense(sensor, motion, ideal, partial(stream, seed, run, f"{sensor_name}/{sensor}"))
+            sensor: self._sense(sensor, motion, ideal, seed, run)
             for sensor in SENSORS
             if getattr(ideal, sensor) is not None
         }
-        clock_stream = stream(seed, run, sensor_name, "clock")
+        clock_stream = stream(seed, run, self.mount.name, "clock")
         lost = self.clock.lost(len(motion), clock_stream)
         for each in sensed.values():
             each.reading[lost] = np.nan
@@ -125,30 +125,48 @@ class Imu:
                 t=read_only(self.clock.stamps(motion.t, clock_stream)),
                 **{sensor: read_only(each.reading) for sensor, each in sensed.items()},
                 t0_ns=motion.t0_ns,
-                name=sensor_name,
+                name=self.mount.name,
             ),
             ideal=ideal,
             gyro_bias=read_only(sensed["gyro"].bias),
             accel_bias=read_only(sensed["accel"].bias),
-            errors={
-                sensor: {name: read_only(added) for name, added in each.errors.items()}
-                for sensor, each in sensed.items()
-            },
             seed=seed,
+            run=run,
+            replay=partial(self._errors, motion, ideal, seed, run),
         )
 
+    def _errors(
+        self, motion: Motion, ideal: ImuRecording, seed: int, run: int, sensor: str
+    ) -> dict[str, Array]:
+        choice("sensor", sensor, [name for name in SENSORS if getattr(ideal, name) is not None])
+        effects, sampling = self._parts(sensor)
+        rows = sampling.rows(motion.t)
+        errors = {effect.name: np.zeros((count(rows), 3)) for effect in effects}
+        self._sense(sensor, motion, ideal, seed, run, errors)
+        return {name: spread(added, rows, len(motion)) for name, added in errors.items()}
+
     def _sense(
-        self, sensor: str, motion: Motion, ideal: ImuRecording, stream_of: Callable[[str], Stream]
+        self,
+        sensor: str,
+        motion: Motion,
+        ideal: ImuRecording,
+        seed: int,
+        run: int,
+        errors: Mapping[str, Array] | None = None,
     ) -> Sensed:
-        effects, sampling = {
+        effects, sampling = self._parts(sensor)
+        rows = sampling.rows(motion.t)
+        collected = sampling.collect(motion.t, getattr(ideal, sensor), rows)
+        stream_of = partial(stream, seed, run, f"{self.mount.name}/{sensor}")
+        sensed = sense(effects, collected, self._contexts(sensor, motion, ideal, rows), stream_of, errors)
+        return Sensed(*(spread(column, rows, len(motion)) for column in sensed))
+
+    def _parts(self, sensor: str) -> tuple[Sequence[Effect], Sampling]:
+        return {
             "gyro": (self.gyro_effects, self.clock.gyro),
             "accel": (self.accel_effects, self.clock.accel),
             "mag_uT": (self.mag_effects, self.clock.mag),
         }[sensor]
-        rows = sampling.rows(motion.t)
-        collected = sampling.collect(motion.t, getattr(ideal, sensor), rows)
-        sensed = sense(effects, collected, self._contexts(sensor, motion, ideal, rows), stream_of)
-        return sensed if isinstance(rows, slice) else sensed.spread(rows, len(motion))
 
     def _contexts(self, sensor: str, motion: Motion, ideal: ImuRecording, rows: Rows) -> Iterator[Context]:
         t = motion.t[rows]

@@ -8,7 +8,7 @@ from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
-from kreisel.data.checks import number
+from kreisel.data.checks import finite_number
 
 Vector = tuple[float, float, float]
 
@@ -50,7 +50,7 @@ def vector(name: str, value: Any) -> Vector:
     parts = value.tolist() if isinstance(value, np.ndarray) else value
     if isinstance(parts, str) or not isinstance(parts, Sequence) or len(parts) != 3:
         raise ValueError(f"{name} must be three numbers; got {value!r}.")
-    x, y, z = (number(f"{name}[{k}]", part) for k, part in enumerate(parts))
+    x, y, z = (finite_number(f"{name}[{k}]", part) for k, part in enumerate(parts))
     return x, y, z
 
 

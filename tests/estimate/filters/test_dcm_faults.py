@@ -103,8 +103,8 @@ def test_a_dead_magnetometer_is_found_out(rng: np.random.Generator) -> None:
     mag[2000:] = mag[2000]
     history = run(DcmFilter(), dataclasses.replace(recording, mag_uT=mag))
     assert history.disturbed is not None and history.disturbed[2300:].all()
-    # 40 s on the gyro alone.
-    assert angles_deg(history.R_NS, truth)[1].max() < 3.0
+    # 40 s on the gyro alone; the first second's heading is that of a few samples, with a noise of 2 deg each.
+    assert angles_deg(history.R_NS, truth)[1][100:].max() < 3.0
 
 
 @pytest.mark.parametrize("sensor", ["gyro", "accel", "mag_uT"])

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import time
 from argparse import ArgumentParser, Namespace
+from pathlib import Path
 
 import numpy as np
 
 from kreisel.cli.outputs import (
+    Output,
     Simulation,
     aligned,
     describe_notes,
     output_folder,
+    picture,
     simulation_outputs,
     write_outputs,
 )
@@ -96,14 +99,17 @@ def _eight(folder: Path) -> list[str]:
     recorded = imu.record(motion, 1)
     estimate = estimate_attitude(DcmFilter(), recorded.measured)
     errors = attitude_errors(motion.at(imu.mount), estimate)
-    write(folder / "eight_imu.csv", recorded.measured)
-    write(folder / "eight_attitude.tum", estimate)
-    show.save(show.plot_attitude(estimate, motion.at(imu.mount)), folder / "eight_attitude.png")
-    show.save(show.plot_attitude_errors(errors), folder / "eight_errors.png")
     rms_deg = np.rad2deg(np.sqrt(np.mean(errors.total[errors.t > 10.0] ** 2)))
-    return [
-        f"{folder / 'eight_imu.csv'}  what the IMU recorded, {len(recorded.measured)} samples",
-        f"{folder / 'eight_attitude.tum'}  what the filter makes of it",
-        f"{folder / 'eight_attitude.png'}  estimate and truth",
-        f"{folder / 'eight_errors.png'}  their difference: {rms_deg:.1f} deg RMS after 10 s",
+    samples = f"what the IMU recorded, {len(recorded.measured)} samples"
+    difference = f"their difference: {rms_deg:.1f} deg RMS after 10 s"
+    outputs: list[Output[None]] = [
+        Output("eight_imu.csv", samples, lambda _, path: write(path, recorded.measured)),
+        Output("eight_attitude.tum", "what the filter makes of it", lambda _, path: write(path, estimate)),
+        picture(
+            "eight_attitude.png",
+            "estimate and truth",
+            lambda _: show.plot_attitude(estimate, motion.at(imu.mount)),
+        ),
+        picture("eight_errors.png", difference, lambda _: show.plot_attitude_errors(errors)),
     ]
+    return write_outputs(folder, outputs, None)

@@ -287,7 +287,9 @@ def _told(args: Namespace, files: Sequence[dict[str, Any]]) -> list[str]:
     if args.output is None:
         lines.append("nothing written: -o attitude.tum keeps the attitude")
     else:
-        lines.append(f"written: {args.output if len(files) > 1 else files[0]['output']}")
+        lines.append(
+            f"written: {f'{len(files)} files in {args.output}' if len(files) > 1 else files[0]['output']}"
+        )
     return [*lines, "next: " + _next(files[0])]
 
 

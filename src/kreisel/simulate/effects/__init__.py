@@ -19,8 +19,10 @@ class Effect(Protocol):
     is_bias: ClassVar[bool]
     """Whether what it adds is part of the bias that a filter may estimate."""
 
-    name: str
-    """Key of its random stream and of its error term; unlike that of any other effect on the sensor."""
+    @property
+    def name(self) -> str:
+        """Key of its random stream and of its error term; unlike that of any other effect on the sensor."""
+        ...
 
     @property
     def idle(self) -> bool:
@@ -28,7 +30,7 @@ class Effect(Protocol):
         ...
 
     def start(self, context: Context, stream: Stream) -> Array:
-        """State (m,) before the first sample; `context` is that of the first block.
+        """State, an array of any shape, before the first sample; `context` is that of the first block.
 
         Raises ValueError where the effect does not suit the sensor or its surroundings.
         """

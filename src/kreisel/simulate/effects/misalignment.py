@@ -54,7 +54,7 @@ class Misalignment:
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3) along the sensitive axes."""
         out = np.empty_like(block)
-        _turn(argument(block), argument(self.matrix), out)
+        _turn(argument(block), self.matrix, out)
         return out
 
 

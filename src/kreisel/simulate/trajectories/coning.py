@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kreisel.data.checks import Array, increasing, number, shaped
+from kreisel.data.checks import Array, finite_number, increasing, shaped
 from kreisel.data.motion import Motion
 from kreisel.maths.kinematics import quaternion_motion
 
@@ -27,8 +27,8 @@ class Coning:
     rate: float = 10.0
 
     def __post_init__(self) -> None:
-        number("half_angle", self.half_angle)
-        number("rate", self.rate)
+        finite_number("half_angle", self.half_angle)
+        finite_number("rate", self.rate)
 
     @property
     def span(self) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.data.checks import Array, increasing, number, shaped
+from kreisel.data.checks import Array, finite_number, increasing, shaped
 from kreisel.data.motion import Motion
 from kreisel.maths.following.exact import Joints
 from kreisel.maths.following.tangent import Attitude
@@ -34,7 +34,7 @@ class RoundedRectangle:
 
     def __post_init__(self) -> None:
         for name in ("length", "width", "radius", "speed"):
-            number(name, getattr(self, name), above=0.0)
+            finite_number(name, getattr(self, name), above=0.0)
         if not 2.0 * self.radius <= min(self.length, self.width):
             raise ValueError(
                 f"radius must be at most half a side, "

@@ -121,11 +121,13 @@ def advanced(
 
 @inlined
 def setting_of(params: Array) -> Vector:
+    """What `advanced` takes as its setting."""
     return params[at.OBSERVED], params[at.DECLINATION], params[at.DECLINATION + 1]
 
 
 @inlined
 def waits(state: Array, params: Array) -> bool:
+    """Whether the first attitude is not complete."""
     return state[at.LEVELLED] == 0.0 or state[at.NORTHED] < params[at.START_NORTH]
 
 
