@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +23,10 @@ from kreisel.simulate.clock import Clock, Rows, Sampling, count, spread, steps
 from kreisel.simulate.context import Context
 from kreisel.simulate.effects import Effect
 from kreisel.simulate.recorded import Recorded
+
+if TYPE_CHECKING:
+    from kreisel.data.noise import NoiseModel
+    from kreisel.simulate.triad import Triad
 
 SENSORS = ("gyro", "accel", "mag_uT")
 
@@ -53,6 +58,74 @@ class Imu:
             raise ValueError(
                 "mag_effects need a magnetic field to act on; give environment=Environment(field_N_uT=...)."
             )
+
+    @classmethod
+    def from_datasheet(
+        cls,
+        *,
+        mount: Mount | None = None,
+        environment: Environment | None = None,
+        clock: Clock | None = None,
+        **values: Any,
+    ) -> Imu:
+        """An IMU from the numbers of its datasheet, each under a name that wears its unit.
+
+        As in gyro_noise_deg_per_s_rthz=0.014, accel_noise_ug_rthz=175, gyro_range_deg_per_s=2000; all names are
+        in `kreisel.simulate.datasheet.PARAMETERS` and docs/datasheets.md. What is not given is perfect.
+        Raises ValueError for unknown names, for two that say the same and for values that cannot be.
+        """
+        from kreisel.simulate.datasheet import triads
+
+        return cls._of(*triads(values), mount, environment, clock)
+
+    @classmethod
+    def from_preset(
+        cls,
+        name: str,
+        *,
+        mount: Mount | None = None,
+        environment: Environment | None = None,
+        clock: Clock | None = None,
+    ) -> Imu:
+        """The IMU of a datasheet that comes along, such as "bmi088", or of a preset file "mine.toml".
+
+        Raises ValueError with the nearest name where there is no such preset.
+        """
+        from kreisel.simulate.presets import load
+
+        return cls._of(*load(name).triads(), mount, environment, clock)
+
+    @classmethod
+    def from_noise(
+        cls,
+        gyro: NoiseModel,
+        accel: NoiseModel,
+        *,
+        mount: Mount | None = None,
+        environment: Environment | None = None,
+        clock: Clock | None = None,
+    ) -> Imu:
+        """An IMU with the noise of a gyroscope (rad/s) and an accelerometer (m/s^2), and no other errors."""
+        from kreisel.simulate.triad import Triad
+
+        return cls._of(Triad(gyro), Triad(accel), mount, environment, clock)
+
+    @classmethod
+    def _of(
+        cls,
+        gyro: Triad,
+        accel: Triad,
+        mount: Mount | None,
+        environment: Environment | None,
+        clock: Clock | None,
+    ) -> Imu:
+        return cls(
+            mount or Mount(),
+            gyro.effects(),
+            accel.effects(),
+            environment=environment or Environment(),
+            clock=clock or Clock(),
+        )
 
     def ideal(self, motion: Motion) -> ImuRecording:
         """What a perfect IMU at the mount reads at the times of `motion`; with a field around it, a magnetometer too.

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from kreisel.data.checks import Array, finite, regular, shaped
+from kreisel.data.checks import Array, finite, per_axis, regular, shaped
 from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.random import Stream
 from kreisel.maths.rotations import exp_so3
@@ -18,15 +18,19 @@ from kreisel.simulate.context import Context
 class Misalignment:
     """matrix @ reading: the rows of `matrix` (3, 3) are the sensitive axes, in S; see `from_angles`.
 
-    Lengths of the rows other than one are scale factors.
+    Lengths of the rows other than one are scale factors. To each element off the diagonal comes one draw of
+    deviation `sigma` per run, rad, one or per sensitive axis: the cross-axis sensitivity of a datasheet.
     """
 
     matrix: Any = field(default_factory=lambda: np.eye(3))
+    sigma: Any = 0.0
     name: str = field(default="misalignment", kw_only=True)
     is_bias: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "matrix", regular("matrix", self.matrix, "without unit"))
+        # A radian of draws could leave no axes at all.
+        object.__setattr__(self, "sigma", per_axis("sigma", self.sigma, "rad", 0.0, 0.1))
 
     @classmethod
     def from_angles(
@@ -45,16 +49,17 @@ class Misalignment:
     @property
     def idle(self) -> bool:
         """True when the axes are the true ones."""
-        return bool((self.matrix == np.eye(3)).all())
+        return bool((self.matrix == np.eye(3)).all() and not self.sigma.any())
 
     def start(self, context: Context, stream: Stream) -> Array:
-        """Nothing to remember."""
-        return np.zeros(0)
+        """The sensitive axes of this run, row by row (9,)."""
+        drawn = self.sigma[:, None] * stream.normals(0, 3) * (1.0 - np.eye(3))
+        return np.asarray((self.matrix + drawn).ravel())
 
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3) along the sensitive axes."""
         out = np.empty_like(block)
-        _turn(argument(block), self.matrix, out)
+        _turn(argument(block), argument(state.reshape(3, 3)), out)
         return out
 
 

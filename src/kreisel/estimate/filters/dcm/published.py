@@ -123,13 +123,13 @@ def advanced(
 
 @inlined
 def setting_of(params: Array) -> Vector:
-    """What `advanced` takes as its setting."""
+    """Whether weights count only where they observe, and the declination's cosine and sine."""
     return params[at.OBSERVED], params[at.DECLINATION], params[at.DECLINATION + 1]
 
 
 @inlined
 def waits(state: Array, params: Array) -> bool:
-    """Whether the first attitude is not complete."""
+    """Whether the first attitude is still to be told by samples."""
     return state[at.LEVELLED] == 0.0 or state[at.NORTHED] < params[at.START_NORTH]
 
 

@@ -1,0 +1,183 @@
+"""Turns the numbers of a datasheet, in the units datasheets use, into the errors of a simulated sensor in SI units.
+
+docs/datasheets.md explains each conversion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from kreisel.data.checks import LARGEST, Array, choice, per_axis
+from kreisel.data.environment import STANDARD_GRAVITY
+from kreisel.data.noise import ALLAN_FLOOR, NoiseModel
+from kreisel.simulate.triad import Triad
+
+_DEG = float(np.pi / 180.0)
+_G = STANDARD_GRAVITY
+_H = 3600.0
+_ONE_SIDED = float(1.0 / np.sqrt(2.0))
+_PEAK_TO_PEAK = 6.6
+"""Peak to peak over RMS of Gaussian noise: 99.9 % of the time it stays inside."""
+
+SENSORS = ("gyro", "accel")
+
+
+class Parameter(NamedTuple):
+    """One number of a datasheet."""
+
+    settles: str  # the quantity of a triad that it gives
+    factor: float  # SI unit over datasheet unit
+    unit: str
+    meaning: str
+    form: str = (
+        "times"  # times, per (factor over value), band (needs a noise bandwidth), bits (needs a range)
+    )
+
+
+def _noise(unit: float, name: str, shown: str) -> dict[str, Parameter]:
+    """Noise of a reading in `unit`, called `name` in parameters, over a band."""
+    rms = "RMS noise in the band noise_bandwidth_hz"
+    return {
+        f"noise_rms_{name}": Parameter("white_noise", unit, shown, rms, "band"),
+        f"noise_peak_to_peak_{name}": Parameter(
+            "white_noise", unit / _PEAK_TO_PEAK, shown, rms.replace("RMS", "peak-to-peak"), "band"
+        ),
+        "noise_bandwidth_hz": Parameter("noise_bandwidth", 1.0, "Hz", "equivalent noise bandwidth"),
+    }
+
+
+_BOTH = {
+    "scale_error_percent": Parameter("scale", 1e-2, "%", "sensitivity tolerance, one sigma"),
+    "scale_error_ppm": Parameter("scale", 1e-6, "ppm", "scale factor error, one sigma"),
+    "misalignment_percent": Parameter("misalignment", 1e-2, "%", "cross-axis sensitivity, one sigma"),
+    "misalignment_deg": Parameter("misalignment", _DEG, "deg", "axis misalignment, one sigma"),
+    "bandwidth_hz": Parameter("bandwidth", 1.0, "Hz", "-3 dB bandwidth"),
+    "bits": Parameter("step", 2.0, "bit", "word length over the whole range, both signs", "bits"),
+}
+_GYRO = {
+    "noise_deg_per_s_rthz": Parameter(
+        "white_noise", _DEG * _ONE_SIDED, "deg/s/sqrt(Hz)", "noise density, one-sided"
+    ),
+    "arw_deg_per_rth": Parameter("white_noise", _DEG / np.sqrt(_H), "deg/sqrt(h)", "angle random walk"),
+    **_noise(_DEG, "deg_per_s", "deg/s"),
+    "bias_instability_deg_per_h": Parameter(
+        "bias_instability",
+        _DEG / _H / ALLAN_FLOOR,
+        "deg/h",
+        "in-run bias stability, floor of the Allan deviation",
+    ),
+    "bias_random_walk_deg_per_s_rts": Parameter(
+        "bias_random_walk", _DEG, "deg/s/sqrt(s)", "random walk of the bias"
+    ),
+    "rrw_deg_per_h_rth": Parameter("bias_random_walk", _DEG / _H**1.5, "deg/h/sqrt(h)", "rate random walk"),
+    "turn_on_bias_deg_per_s": Parameter("turn_on_bias", _DEG, "deg/s", "zero-rate offset, one sigma"),
+    "turn_on_bias_deg_per_h": Parameter("turn_on_bias", _DEG / _H, "deg/h", "bias repeatability, one sigma"),
+    "range_deg_per_s": Parameter("limit", _DEG, "deg/s", "end of the range"),
+    "resolution_deg_per_s": Parameter("step", _DEG, "deg/s", "least significant bit"),
+    "lsb_per_deg_per_s": Parameter("step", _DEG, "LSB/(deg/s)", "sensitivity", "per"),
+    **_BOTH,
+}
+_ACCEL = {
+    "noise_ug_rthz": Parameter(
+        "white_noise", 1e-6 * _G * _ONE_SIDED, "ug/sqrt(Hz)", "noise density, one-sided"
+    ),
+    "vrw_m_per_s_rth": Parameter("white_noise", 1.0 / np.sqrt(_H), "m/s/sqrt(h)", "velocity random walk"),
+    **_noise(1e-3 * _G, "mg", "mg"),
+    "bias_instability_ug": Parameter(
+        "bias_instability",
+        1e-6 * _G / ALLAN_FLOOR,
+        "ug",
+        "in-run bias stability, floor of the Allan deviation",
+    ),
+    "bias_random_walk_ug_rts": Parameter(
+        "bias_random_walk", 1e-6 * _G, "ug/sqrt(s)", "random walk of the bias"
+    ),
+    "turn_on_bias_mg": Parameter("turn_on_bias", 1e-3 * _G, "mg", "zero-g offset, one sigma"),
+    "range_g": Parameter("limit", _G, "g", "end of the range"),
+    "resolution_mg": Parameter("step", 1e-3 * _G, "mg", "least significant bit"),
+    "lsb_per_g": Parameter("step", _G, "LSB/g", "sensitivity", "per"),
+    **_BOTH,
+}
+
+PARAMETERS = {
+    f"{sensor}_{name}": parameter
+    for sensor, table in (("gyro", _GYRO), ("accel", _ACCEL))
+    for name, parameter in table.items()
+}
+"""Every number of a datasheet that can be given, by the name that wears its unit."""
+
+_OF_NOISE = ("white_noise", "bias_instability", "bias_random_walk", "turn_on_bias")
+
+
+def triads(values: Mapping[str, Any]) -> tuple[Triad, Triad]:
+    """Gyroscope and accelerometer from datasheet numbers by name, each one number or one per axis.
+
+    Raises ValueError for a name that is not in PARAMETERS, for two that say the same, for a number that needs
+    another one, and for values that cannot be.
+    """
+    for name in values:
+        choice("a datasheet parameter", name, tuple(PARAMETERS))
+    gyro, accel = (_triad(sensor, values) for sensor in SENSORS)
+    return gyro, accel
+
+
+def _triad(sensor: str, values: Mapping[str, Any]) -> Triad:
+    given = _by_quantity({name: values[name] for name in values if name.startswith(f"{sensor}_")})
+    settled: dict[str, Any] = {}
+    # In this order: bits need the range, noise in a band the band.
+    for quantity in sorted(given, key=lambda q: q not in ("limit", "noise_bandwidth")):
+        settled[quantity] = _in_si(given[quantity], values[given[quantity]], settled)
+    band = settled.pop("noise_bandwidth", None)
+    if band is not None and PARAMETERS[given.get("white_noise", "gyro_arw_deg_per_rth")].form != "band":
+        raise ValueError(f"{sensor}_noise_bandwidth_hz belongs to RMS or peak-to-peak noise; none was given.")
+    if "bandwidth" in settled:
+        settled["bandwidth"] = _same_on_all(given["bandwidth"], settled["bandwidth"])
+    noise = {quantity: settled.pop(quantity) for quantity in _OF_NOISE if quantity in settled}
+    return Triad(NoiseModel(**noise), **settled)
+
+
+def _by_quantity(values: Mapping[str, Any]) -> dict[str, str]:
+    """Quantity -> the name of the parameter that gives it; ValueError where two do."""
+    given: dict[str, str] = {}
+    for name in values:
+        quantity = PARAMETERS[name].settles
+        if quantity in given:
+            raise ValueError(f"{given[quantity]} and {name} say the same; give one of them.")
+        given[quantity] = name
+    return given
+
+
+def _in_si(name: str, value: Any, settled: Mapping[str, Array]) -> Array:
+    parameter = PARAMETERS[name]
+    sensor = name.split("_")[0]
+    x = per_axis(name, value, parameter.unit, *_bounds(parameter))
+    if parameter.form == "per":
+        return parameter.factor / x
+    if parameter.form == "bits":
+        if "limit" not in settled:
+            raise ValueError(
+                f"{name} needs the range, {sensor}_range_{'deg_per_s' if sensor == 'gyro' else 'g'}."
+            )
+        return parameter.factor * settled["limit"] / 2.0**x
+    if parameter.form == "band":
+        if "noise_bandwidth" not in settled:
+            raise ValueError(f"{name} needs the band it was measured in, {sensor}_noise_bandwidth_hz.")
+        return parameter.factor * x / np.sqrt(2.0 * settled["noise_bandwidth"])
+    return parameter.factor * x
+
+
+def _bounds(parameter: Parameter) -> tuple[float, float]:
+    """What a value may be: noise and errors of zero are perfect sensors, ranges and scales of zero are none."""
+    if parameter.form == "bits":
+        return 1.0, 64.0
+    of_size = parameter.form == "per" or parameter.settles in ("limit", "noise_bandwidth", "bandwidth")
+    return (1e-9 if of_size else 0.0), LARGEST
+
+
+def _same_on_all(name: str, value: Array) -> float:
+    if np.ptp(value):
+        raise ValueError(f"{name} must be one number, Hz, for all axes; got {value}.")
+    return float(value[0])

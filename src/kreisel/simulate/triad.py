@@ -1,0 +1,57 @@
+"""Turns the errors of three like sensor axes, as numbers in SI units, into the effects that make them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from kreisel.data.noise import NoiseModel
+from kreisel.simulate.effects import Effect
+from kreisel.simulate.effects.bandwidth import Bandwidth
+from kreisel.simulate.effects.bias_instability import BiasInstability
+from kreisel.simulate.effects.bias_random_walk import BiasRandomWalk
+from kreisel.simulate.effects.gauss_markov import GaussMarkov
+from kreisel.simulate.effects.misalignment import Misalignment
+from kreisel.simulate.effects.quantisation import Quantisation
+from kreisel.simulate.effects.range import Range
+from kreisel.simulate.effects.scale_factor import ScaleFactor
+from kreisel.simulate.effects.turn_on_bias import TurnOnBias
+from kreisel.simulate.effects.white_noise import WhiteNoise
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Triad:
+    """What a datasheet says of a gyroscope or accelerometer; its unit is rad/s or m/s^2.
+
+    Where nothing is said the sensor is perfect. One number or one per axis, but for the bandwidth.
+    """
+
+    noise: NoiseModel = field(default_factory=NoiseModel)
+    scale: Any = 0.0  # relative, standard deviation from one sensor to the next
+    misalignment: Any = 0.0  # rad, the same; what one axis hears of another
+    bandwidth: float = np.inf  # Hz, -3 dB
+    limit: Any = np.inf  # unit, end of the range
+    step: Any = 0.0  # unit, least significant bit
+
+    def effects(self) -> tuple[Effect, ...]:
+        """The effects that change anything, from the outer world to the output.
+
+        Noise comes before the low-pass: what the datasheet states is the density inside the band.
+        """
+        noise = self.noise
+        wanders = bool(noise.gauss_markov.any())
+        every: tuple[Effect, ...] = (
+            Misalignment(sigma=self.misalignment),
+            ScaleFactor(sigma=self.scale),
+            TurnOnBias(sigma=noise.turn_on_bias),
+            BiasInstability(noise.bias_instability),
+            BiasRandomWalk(noise.bias_random_walk),
+            GaussMarkov(noise.gauss_markov, noise.correlation_time) if wanders else GaussMarkov(),
+            WhiteNoise(noise.white_noise),
+            Bandwidth(self.bandwidth),
+            Range(self.limit),
+            Quantisation(self.step),
+        )
+        return tuple(effect for effect in every if not effect.idle)
