@@ -31,10 +31,13 @@ class Columns(NamedTuple):
 
     @classmethod
     def of(cls, runs: int, n: int) -> Columns:
-        """Room for so many."""
-        R, bias, a_N = (np.empty((runs, n, *of_one)) for of_one in ((3, 3), (3,), (3,)))
-        rest, disturbed, held = np.empty((3, runs, n), np.bool_)
-        return cls(R, bias, a_N, rest, disturbed, held)
+        """Room for so many: one piece of memory, for several would go back to the system and come anew each time."""
+        room = np.empty(runs * n * (15 * 8 + 3), np.uint8)
+        numbers, flags = room[: runs * n * 15 * 8].view(np.float64), room[runs * n * 15 * 8 :].view(np.bool_)
+        R, bias, a_N = np.split(numbers, [9 * runs * n, 12 * runs * n])
+        rest, disturbed, held = flags.reshape(3, runs, n)
+        vectors = bias.reshape(runs, n, 3), a_N.reshape(runs, n, 3)
+        return cls(R.reshape(runs, n, 3, 3), *vectors, rest, disturbed, held)
 
     def part(self, runs: slice) -> Columns:
         """The same room, of some of the runs."""
