@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from kreisel.data.trajectory import Poses as Poses
     from kreisel.data.trajectory import Trajectory as Trajectory
     from kreisel.data.trial import Trial as Trial
+    from kreisel.estimate.batch import run_all as run_all
+    from kreisel.estimate.batch import run_batch as run_batch
     from kreisel.estimate.filters.dcm import DcmFilter as DcmFilter
     from kreisel.estimate.run import run as run
     from kreisel.estimate.strapdown import integrate as integrate
@@ -143,6 +145,8 @@ _HOMES = {
     "round_trip": "kreisel.study.round_trip",
     "rounded_rectangle": "kreisel.simulate.trajectories.rounded_rectangle",
     "run": "kreisel.estimate.run",
+    "run_all": "kreisel.estimate.batch",
+    "run_batch": "kreisel.estimate.batch",
     "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
     "Sampling": "kreisel.simulate.clock",
     "ScaleFactor": "kreisel.simulate.effects.scale_factor",

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel.data.attitude import AttitudeHistory, Mask
-from kreisel.data.checks import increasing, shaped
+from kreisel.data.checks import increasing, read_only, shaped
 from kreisel.data.recording import ImuRecording
 from kreisel.estimate import filters as at
 from kreisel.estimate.answers import Columns
@@ -20,8 +20,8 @@ from kreisel.estimate.filters import Array, AttitudeFilter, LaneFilter
 from kreisel.estimate.run import readings, run
 from kreisel.maths.kernels import argument
 
-# Samples whose answers fit the L2 cache for all lanes (0.5 MB), from where they are unpacked.
-_BLOCK = 256
+# Samples of all runs of a tile whose answers fit the L2 cache (0.5 MB), from where they are unpacked.
+_BLOCK = 4096
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,9 +69,9 @@ def run_batch(
     Raises ValueError for other shapes, and where the filter needs a magnetometer and there is none.
     """
     t = increasing("t", shaped("t", t, ("n",)))
-    gyro = shaped("gyro", gyro, ("runs", len(t), 3))
-    accel = shaped("accel", accel, gyro.shape)
-    mag = None if mag_uT is None else shaped("mag_uT", mag_uT, gyro.shape)
+    gyro = shaped("gyro", _lent(gyro), ("runs", len(t), 3))
+    accel = shaped("accel", _lent(accel), gyro.shape)
+    mag = None if mag_uT is None else shaped("mag_uT", _lent(mag_uT), gyro.shape)
     runs = len(gyro)
     first = None if R_NS is None else np.broadcast_to(np.asarray(R_NS, float), (runs, 3, 3))
     columns = Columns.of(runs, len(t))
@@ -116,6 +116,11 @@ def run_all(
     return [history for history in histories if history is not None]
 
 
+def _lent(x: npt.ArrayLike) -> npt.ArrayLike:
+    """The same, not copied by checks: nothing that lasts keeps it."""
+    return read_only(x) if isinstance(x, np.ndarray) else x
+
+
 def _lanes(filter: AttitudeFilter) -> int:
     return filter.lanes if isinstance(filter, LaneFilter) else 1
 
@@ -153,10 +158,14 @@ def _fill(
     firsts = [None] * runs if R_NS is None else list(R_NS)
     states, parameters = np.stack([filter.start(first) for first in firsts]), filter.parameters()
     stamps = argument(np.tile(t, (runs, 1)))
-    for first in range(0, n, _BLOCK):
-        answers = np.empty((runs, min(_BLOCK, n - first), at.ANSWER))
-        if isinstance(filter, LaneFilter) and runs == filter.lanes > 1:
-            filter.batch_of_lanes(states, parameters, stamps, gyro, accel, mag, first, answers)
+    lanes = filter if isinstance(filter, LaneFilter) and runs == filter.lanes > 1 else None
+    step = min(n, _BLOCK // runs)
+    room = np.empty(runs * step * at.ANSWER)
+    for first in range(0, n, step):
+        m = min(step, n - first)
+        answers = room[: runs * m * at.ANSWER].reshape(runs, m, at.ANSWER)
+        if lanes is not None:
+            lanes.batch_of_lanes(states, parameters, stamps, gyro, accel, mag, first, answers)
         else:
             for k in range(runs):
                 filter.batch(states[k], parameters, t, gyro[k], accel[k], mag[k], first, answers[k])

@@ -19,6 +19,8 @@ import numba
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.maths.sources import stamp
+
 Array = npt.NDArray[np.float64]
 
 _CONFIG: Any = numba.config
@@ -37,13 +39,25 @@ def _compiled(function: _F, **options: Any) -> _F:
         return cast(_F, policy(function))
 
     try:
-        return compiled(cache=True)
+        return _fresh(compiled(cache=True), function)
     except RuntimeError as error:
         # Neither the package's own folder nor the user's cache can be written: numba refuses at once.
         if "locator" not in str(error):
             raise
     _cache_elsewhere()
-    return compiled(cache=bool(_CONFIG.CACHE_DIR))
+    return _fresh(compiled(cache=bool(_CONFIG.CACHE_DIR)), function)
+
+
+def _fresh(dispatcher: _F, function: _F) -> _F:
+    """`dispatcher`, whose cache is out of date as soon as any source is that its kernel is made of.
+
+    numba looks at the kernel's own file alone, and runs old code where a function of another file has changed.
+    """
+    index: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+    # Not of numba's public face: where another version keeps it elsewhere, caches are what they are without this.
+    if hasattr(index, "_source_stamp"):
+        index._source_stamp = stamp(Path(function.__code__.co_filename))
+    return dispatcher
 
 
 def _cache_elsewhere() -> None:

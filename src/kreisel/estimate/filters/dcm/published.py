@@ -64,12 +64,14 @@ def _dtheta(rows: Rows, turn: Vector, accel: Vector, mag: Vector, weights: Vecto
     has_mag = has_mag and h2 > _STEEP2 * m2
     w_g, w_a, w_m = weights[0], weights[1] if has_accel else 0.0, weights[2]
     # The accelerometer sees rotations across `up`, a magnetometer made horizontal those around it; the
-    # document divides by the sum of all weights nevertheless. Both quotients are ready before `has_mag` is.
-    observed = setting[0] == 1.0
-    without = 1.0 / (w_g + w_a)
-    with_mag = without if observed else 1.0 / (w_g + w_a + w_m)
-    around_with, around_without = (1.0 / (w_g + w_m), 1.0 / w_g) if observed else (with_mag, without)
-    across, around = (with_mag, around_with) if has_mag else (without, around_without)
+    # document divides by the sum of all weights nevertheless. All quotients can be had before the step.
+    alone, with_accel = 1.0 / weights[0], 1.0 / (weights[0] + weights[1])
+    with_mag, with_both = 1.0 / (weights[0] + weights[2]), 1.0 / (weights[0] + weights[1] + weights[2])
+    across = with_accel if has_accel else alone
+    around = with_mag if has_mag else alone
+    if setting[0] == 0.0:
+        both = with_both if has_accel else with_mag
+        across = around = both if has_mag else across
     # Magnetic north, where the answer has it.
     north = added(scaled(setting[1], north), setting[2], east)
     dtheta = added(scaled(w_g * across, turn), w_g * (around - across) * dot(turn, up), up)
