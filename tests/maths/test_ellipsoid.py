@@ -25,6 +25,11 @@ def test_points_on_an_ellipsoid_give_it_back(size) -> None:
     np.testing.assert_allclose(np.linalg.inv(found.W), size * SOFT, atol=1e-10 * size)
 
 
+def test_an_hour_of_points_needs_no_square_of_its_memory() -> None:
+    y = directions(np.random.default_rng(2), 200_000) @ SOFT + CENTRE
+    np.testing.assert_allclose(fit_ellipsoid(y).centre, CENTRE, rtol=1e-9)
+
+
 def test_six_sides_give_centre_and_scale_along_the_axes() -> None:
     y = np.vstack([np.eye(3), -np.eye(3)]) * [9.7, 9.9, 9.8] + [0.1, -0.2, 0.3]
     found = fit_ellipsoid(y, diagonal=True, sigma=0.01)

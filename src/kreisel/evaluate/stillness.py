@@ -43,8 +43,9 @@ def still_windows(recording: ImuRecording) -> Still:
         return Still(np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros((0, 3)))
     gyro, gyro_scatter = _statistics(recording.gyro, edges)
     accel, accel_scatter = _statistics(recording.accel, edges)
-    quiet = _quiet(gyro_scatter, _NOISE_AT_MOST["gyro"]) & _quiet(accel_scatter, _NOISE_AT_MOST["accel"])
-    still = quiet & np.asarray(np.linalg.norm(gyro, axis=1) < _SLOWEST_TURN)
+    slow = np.linalg.norm(gyro, axis=1) < _SLOWEST_TURN
+    calm = [_quiet(gyro_scatter, _NOISE_AT_MOST["gyro"]), _quiet(accel_scatter, _NOISE_AT_MOST["accel"])]
+    still = np.stack([*calm, slow]).all(axis=0)
     padded = np.concatenate([[True], still, [True]])
     inside = still & padded[:-2] & padded[2:]
     stretch = np.cumsum(np.concatenate([[True], ~still[:-1]]))

@@ -54,7 +54,8 @@ def _closed_form(y: Array, diagonal: bool) -> tuple[Array, Array] | None:
     squares = y[:, _ROWS] * y[:, _COLUMNS] * np.where(_ROWS == _COLUMNS, 1.0, 2.0)
     used = 3 if diagonal else 6
     design = np.column_stack([squares[:, :used], 2.0 * y, -np.ones(len(y))])
-    v = np.linalg.svd(design, full_matrices=True)[2][design.shape[1] - 1]
+    # Six sides are fewer rows than unknowns: the whole basis is wanted, of the small factor.
+    v = np.linalg.svd(np.linalg.qr(design, mode="r"), full_matrices=True)[2][-1]
     v = v * np.sign(v[:3].sum())
     A = _symmetric(v[:used])
     if not np.linalg.eigvalsh(A)[0] > 1e-9:
