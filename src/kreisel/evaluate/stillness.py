@@ -45,7 +45,7 @@ def still_windows(recording: ImuRecording) -> Still:
     accel, accel_scatter = _statistics(recording.accel, edges)
     slow = np.linalg.norm(gyro, axis=1) < _SLOWEST_TURN
     calm = [_quiet(gyro_scatter, _NOISE_AT_MOST["gyro"]), _quiet(accel_scatter, _NOISE_AT_MOST["accel"])]
-    still = np.stack([*calm, slow]).all(axis=0)
+    still: npt.NDArray[np.bool_] = np.asarray(np.stack([*calm, slow]).all(axis=0))
     padded = np.concatenate([[True], still, [True]])
     inside = still & padded[:-2] & padded[2:]
     stretch = np.cumsum(np.concatenate([[True], ~still[:-1]]))
@@ -55,7 +55,7 @@ def still_windows(recording: ImuRecording) -> Still:
 def _statistics(x: Array, edges: npt.NDArray[np.int64]) -> tuple[Array, Array]:
     """Mean (w, 3) and standard deviation (w,), over the axes together, between neighbouring edges."""
     x = x[edges[0] : edges[-1]]
-    good = np.isfinite(x).all(axis=1)
+    good: npt.NDArray[np.bool_] = np.asarray(np.isfinite(x).all(axis=1))
     starts = edges[:-1] - edges[0]
     count = np.add.reduceat(good.astype(np.float64), starts)
     with np.errstate(invalid="ignore", divide="ignore"):
