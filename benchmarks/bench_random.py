@@ -2,10 +2,9 @@
 
     python benchmarks/bench_random.py
 
-The limit: a pair of normals of 53 bits needs one Philox4x32-10 block, twenty 32 x 32 bit products and some
-sixty logical operations, which is a cycle and a half a number on eight SIMD lanes; "integers alone" is what the
-machine makes of it. On top come a logarithm (one division, fifteen products), a root, and a sine with a cosine
-(sixteen products): about as much again. Each figure is the best of many runs.
+The limit: a pair of normals of 53 bits needs one Philox4x32-10 block, which is twenty products of 32-bit words and
+some sixty logical operations; "integers alone" is what the machine makes of it. On top come a logarithm (one
+division, fifteen products), a root, and a sine with a cosine (sixteen products). Each figure is the best of many runs.
 """
 
 from __future__ import annotations

@@ -22,10 +22,12 @@ Time is float64 seconds after ``t0_ns``, an integer epoch in nanoseconds.
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
+# Type checkers take it for true. Loading `typing` would take longer than all else up to the first line of the
+# command line, which answers to Ctrl-C only from there on.
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from kreisel.data.attitude import AttitudeHistory as AttitudeHistory
     from kreisel.data.attitude import Reference as Reference
     from kreisel.data.calibration import Calibration as Calibration
@@ -35,13 +37,14 @@ if TYPE_CHECKING:
     from kreisel.data.motion import Mount as Mount
     from kreisel.data.motion import Note as Note
     from kreisel.data.recording import ImuRecording as ImuRecording
+    from kreisel.data.temperature import TemperatureHistory as TemperatureHistory
     from kreisel.data.trajectory import Poses as Poses
     from kreisel.data.trajectory import Trajectory as Trajectory
     from kreisel.data.trial import Trial as Trial
     from kreisel.estimate.filters.dcm import DcmFilter as DcmFilter
-    from kreisel.estimate.run import Stream as Stream
     from kreisel.estimate.run import run as run
     from kreisel.estimate.strapdown import integrate as integrate
+    from kreisel.estimate.stream import Stream as Stream
     from kreisel.evaluate.allan import AllanFit as AllanFit
     from kreisel.evaluate.allan import allan as allan
     from kreisel.evaluate.attitude_errors import AttitudeErrors as AttitudeErrors
@@ -53,7 +56,27 @@ if TYPE_CHECKING:
     from kreisel.evaluate.motion_errors import motion_errors as motion_errors
     from kreisel.files.doors import read as read
     from kreisel.files.doors import write as write
+    from kreisel.simulate.clock import Clock as Clock
+    from kreisel.simulate.clock import Sampling as Sampling
+    from kreisel.simulate.effects.bandwidth import Bandwidth as Bandwidth
+    from kreisel.simulate.effects.bias_instability import BiasInstability as BiasInstability
+    from kreisel.simulate.effects.bias_random_walk import BiasRandomWalk as BiasRandomWalk
+    from kreisel.simulate.effects.g_sensitivity import GSensitivity as GSensitivity
+    from kreisel.simulate.effects.gauss_markov import GaussMarkov as GaussMarkov
+    from kreisel.simulate.effects.hard_soft_iron import HardSoftIron as HardSoftIron
+    from kreisel.simulate.effects.misalignment import Misalignment as Misalignment
+    from kreisel.simulate.effects.nonlinearity import Nonlinearity as Nonlinearity
+    from kreisel.simulate.effects.quantisation import Quantisation as Quantisation
+    from kreisel.simulate.effects.range import Range as Range
+    from kreisel.simulate.effects.scale_factor import ScaleFactor as ScaleFactor
+    from kreisel.simulate.effects.temperature_bias import TemperatureBias as TemperatureBias
+    from kreisel.simulate.effects.temperature_scale import TemperatureScale as TemperatureScale
+    from kreisel.simulate.effects.turn_on_bias import TurnOnBias as TurnOnBias
+    from kreisel.simulate.effects.vibration_lines import VibrationLines as VibrationLines
+    from kreisel.simulate.effects.vibration_noise import VibrationNoise as VibrationNoise
+    from kreisel.simulate.effects.white_noise import WhiteNoise as WhiteNoise
     from kreisel.simulate.imu import Imu as Imu
+    from kreisel.simulate.recorded import Recorded as Recorded
     from kreisel.simulate.trajectories.circle import circle as circle
     from kreisel.simulate.trajectories.coning import coning as coning
     from kreisel.simulate.trajectories.expressions import expressions as expressions
@@ -82,13 +105,20 @@ _HOMES = {
     "calibrate_gyro": "kreisel.evaluate.calibrate",
     "calibrate_mag": "kreisel.evaluate.calibrate",
     "Calibration": "kreisel.data.calibration",
+    "Bandwidth": "kreisel.simulate.effects.bandwidth",
+    "BiasInstability": "kreisel.simulate.effects.bias_instability",
+    "BiasRandomWalk": "kreisel.simulate.effects.bias_random_walk",
     "circle": "kreisel.simulate.trajectories.circle",
+    "Clock": "kreisel.simulate.clock",
     "coning": "kreisel.simulate.trajectories.coning",
     "DcmFilter": "kreisel.estimate.filters.dcm",
     "Environment": "kreisel.data.environment",
     "expressions": "kreisel.simulate.trajectories.expressions",
     "figure_eight": "kreisel.simulate.trajectories.lying_eight",
     "FunctionTrajectory": "kreisel.simulate.trajectories.functions",
+    "GaussMarkov": "kreisel.simulate.effects.gauss_markov",
+    "GSensitivity": "kreisel.simulate.effects.g_sensitivity",
+    "HardSoftIron": "kreisel.simulate.effects.hard_soft_iron",
     "helix": "kreisel.simulate.trajectories.helix",
     "Imu": "kreisel.simulate.imu",
     "ImuIncrements": "kreisel.data.increments",
@@ -97,23 +127,37 @@ _HOMES = {
     "line": "kreisel.simulate.trajectories.line",
     "lissajous": "kreisel.simulate.trajectories.lissajous",
     "lying_eight": "kreisel.simulate.trajectories.lying_eight",
+    "Misalignment": "kreisel.simulate.effects.misalignment",
     "Motion": "kreisel.data.motion",
     "motion_errors": "kreisel.evaluate.motion_errors",
     "MotionErrors": "kreisel.evaluate.motion_errors",
     "Mount": "kreisel.data.motion",
+    "Nonlinearity": "kreisel.simulate.effects.nonlinearity",
     "Note": "kreisel.data.motion",
     "Poses": "kreisel.data.trajectory",
+    "Quantisation": "kreisel.simulate.effects.quantisation",
+    "Range": "kreisel.simulate.effects.range",
     "read": "kreisel.files.doors",
+    "Recorded": "kreisel.simulate.recorded",
     "Reference": "kreisel.data.attitude",
     "rest": "kreisel.simulate.trajectories.rest",
     "round_trip": "kreisel.study.round_trip",
     "rounded_rectangle": "kreisel.simulate.trajectories.rounded_rectangle",
     "run": "kreisel.estimate.run",
     "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
+    "Sampling": "kreisel.simulate.clock",
+    "ScaleFactor": "kreisel.simulate.effects.scale_factor",
     "Scenario": "kreisel.study.scenario",
-    "Stream": "kreisel.estimate.run",
+    "Stream": "kreisel.estimate.stream",
+    "TemperatureBias": "kreisel.simulate.effects.temperature_bias",
+    "TemperatureHistory": "kreisel.data.temperature",
+    "TemperatureScale": "kreisel.simulate.effects.temperature_scale",
     "Trajectory": "kreisel.data.trajectory",
     "Trial": "kreisel.data.trial",
+    "TurnOnBias": "kreisel.simulate.effects.turn_on_bias",
+    "VibrationLines": "kreisel.simulate.effects.vibration_lines",
+    "VibrationNoise": "kreisel.simulate.effects.vibration_noise",
+    "WhiteNoise": "kreisel.simulate.effects.white_noise",
     "write": "kreisel.files.doors",
 }
 
@@ -122,6 +166,8 @@ __all__ = ["__version__", *sorted(_HOMES)]
 
 def __getattr__(name: str) -> Any:
     if name in _HOMES:
+        from importlib import import_module
+
         return getattr(import_module(_HOMES[name]), name)
     raise AttributeError(f"module 'kreisel' has no attribute {name!r}")
 

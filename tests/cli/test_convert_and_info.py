@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -110,3 +113,20 @@ def test_info_for_machines(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert three["clock"]["rate_hz"] == 1.0
     assert three["clock"]["t0_ns"] == 10**18
     assert three["noun"] == "Poses"
+
+
+def test_standard_output_holds_the_data_and_nothing_else(mocap: Path, tmp_path: Path) -> None:
+    poses = tmp_path / "poses.csv"
+    poses.write_text("t,p_x,p_y,p_z\n0,1,2,3\n1,1,2,3\n")
+    command = [sys.executable, "-m", "kreisel", "convert", str(poses), "/dev/stdout", "--to", "csv"]
+    environment = {**os.environ, "PYTHONPATH": str(Path(kreisel.__file__).parents[1])}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stdout.splitlines()[0]) == (0, "t [s],p_x [m],p_y [m],p_z [m]")
+    assert len(done.stdout.splitlines()) == 3
+    assert done.stderr == "/dev/stdout: 2 rows over 1 s\n"
+
+
+def test_a_folder_is_no_output(mocap: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    kreisel.write(tmp_path / "a.csv", kreisel.Poses([0.0, 1.0], np.zeros((2, 3))))
+    assert main(["convert", str(tmp_path / "a.csv"), f"{tmp_path}/b.csv/"]) == 1
+    assert "it is the name of a folder" in capsys.readouterr().err

@@ -1,7 +1,8 @@
-"""`kreisel estimate`: a file of readings in, a file of attitude out, impossible units refused."""
+"""`kreisel estimate`: files of readings in, files of attitude out, impossible units refused."""
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,7 +29,11 @@ def test_the_answer_is_the_truth_and_reads_back(name, imu, tmp_path, capsys) -> 
     out = tmp_path / name
     assert main(["estimate", imu, "-o", str(out)]) == 0
     text = capsys.readouterr().out
-    assert "600 samples with magnetometer" in text and str(out) in text
+    assert (
+        "600     5.99       100" in text
+        and f"written: {out}" in text
+        and "next: kreisel evaluate TRUTH" in text
+    )
     answer = kreisel.read(out)
     assert isinstance(answer, kreisel.AttitudeHistory)
     assert (answer.gyro_bias is not None) == (name != "attitude.tum")
@@ -111,9 +116,108 @@ def test_a_picture_is_drawn_when_asked(imu, tmp_path) -> None:
         (["--filter", "dmc"], "Did you mean 'dcm'"),
         (["--set", "mode"], "--set takes NAME=VALUE"),
         (["--to", "tumm"], "Did you mean 'tum'"),
+        (["--to-frame", "nde"], "--to-frame must be one of"),
+        (["--mode", "7"], "mode must be 'auto', '9', '6' or 'gyro'"),
+        (["--set", "accel_time=soon"], "accel_time must be a number; got 'soon'"),
+        (["--set", "accel_time=-3"], "accel_time must not be negative"),
+        (["--set", "published.exct=true"], "did you mean 'exact'?"),
+        (["--set", "accel_time=3", "--set", "accel_time.x=3"], "accel_time has a value already"),
     ],
 )
 def test_mistakes_are_one_line(arguments, message, imu, tmp_path, capsys) -> None:
     assert main(["estimate", imu, "-o", str(tmp_path / "a.tum"), *arguments]) == 1
     err = capsys.readouterr().err
     assert message in err and err.count("\n") == 1
+
+
+def test_everything_the_filter_knows_is_kept(imu: str, tmp_path: Path) -> None:
+    assert main(["estimate", imu, "-o", str(tmp_path / "a.npz")]) == 0
+    ours = kreisel.run(kreisel.DcmFilter(), kreisel.read(imu))
+    found = kreisel.read(tmp_path / "a.npz")
+    for name in ("R_NS", "gyro_bias", "a_N", "rest", "disturbed", "held"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(ours, name))
+
+
+def test_the_summary_alone(imu: str, tmp_path: Path, capsys) -> None:
+    assert main(["estimate", imu]) == 0
+    text = capsys.readouterr().out
+    assert "600     5.99       100" in text and "nothing written" in text
+    assert [p.name for p in tmp_path.iterdir()] == ["imu.csv"]
+
+
+def test_the_summary_for_programs(imu: str, capsys) -> None:
+    assert main(["estimate", imu, "--json", "--set", "mag_time=30"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    (file,) = report["files"]
+    assert report["schema"] == "kreisel.estimate/1" and report["filter"]["set"] == ["mag_time=30"]
+    assert file["samples"] == 600 and file["magnetometer"] and file["held_share"] == 0.0
+    # Two of six seconds less the time until rest is believed.
+    assert 0.2 < file["rest_share"] < 0.4
+    assert file["gyro_bias_deg_s"] == pytest.approx([0.0, 0.0, 0.0], abs=0.05)
+
+
+def test_options_reach_the_filter(imu: str, tmp_path: Path, capsys) -> None:
+    out = str(tmp_path / "a.npz")
+    assert main(["estimate", imu, "-o", out, "--mode", "6"]) == 0
+    without = kreisel.run(kreisel.DcmFilter(mode="6"), kreisel.read(imu))
+    np.testing.assert_array_equal(kreisel.read(out).R_NS, without.R_NS)
+    assert main(["estimate", imu, "-o", out, "--set", "published.weight_accel=0.02"]) == 0
+    step = kreisel.DcmFilter.as_published(1.0, 0.02, 0.01)
+    np.testing.assert_array_equal(kreisel.read(out).R_NS, kreisel.run(step, kreisel.read(imu)).R_NS)
+
+
+def test_many_recordings_go_into_a_folder(imu: str, tmp_path: Path, capsys) -> None:
+    kreisel.write(tmp_path / "imu2.csv", TRIAL.recording)
+    out = tmp_path / "out"
+    assert main(["estimate", str(tmp_path / "imu*.csv"), "-o", str(out), "--to", "npz"]) == 0
+    assert sorted(p.name for p in out.iterdir()) == ["imu.npz", "imu2.npz"]
+    assert "written: 2 files" in capsys.readouterr().out
+    for path in out.iterdir():
+        assert kreisel.attitude_errors(TRIAL.reference, kreisel.read(path)).summary().total_max_deg < 0.5
+
+
+def test_a_trial_is_its_own_truth(tmp_path: Path, capsys) -> None:
+    from tests.cli.test_evaluate import broad_trial
+
+    path = broad_trial(tmp_path, np.ones(400, bool))
+    assert main(["estimate", str(path), "--trust-units"]) == 0
+    assert f"next: kreisel evaluate {path} attitude.tum" in capsys.readouterr().out
+
+
+def test_a_single_wild_sample_is_no_unit(tmp_path: Path, capsys) -> None:
+    gyro = TRIAL.recording.gyro.copy()
+    gyro[300] = 50.0
+    kreisel.write(tmp_path / "imu.npz", replace(TRIAL.recording, gyro=gyro))
+    assert main(["estimate", str(tmp_path / "imu.npz")]) == 0
+    assert "faults, or deg/s?" in capsys.readouterr().err
+
+
+def test_files_are_not_mixed_up(imu: str, tmp_path: Path, capsys) -> None:
+    before = Path(imu).read_bytes()
+    kreisel.write(tmp_path / "imu.npz", TRIAL.recording)
+    for arguments, message in (
+        (["estimate", imu, "-o", imu], "is the input itself"),
+        (["estimate", imu, str(tmp_path / "imu.npz"), "-o", str(tmp_path / "out")], "two inputs"),
+        (["estimate", imu, str(tmp_path / "imu.npz"), "-o", imu], "must be a folder for 2 inputs"),
+        (["estimate", str(tmp_path / "*.nothing")], "no file fits"),
+    ):
+        assert main(arguments) == 1
+        assert message in capsys.readouterr().err
+    assert Path(imu).read_bytes() == before
+
+
+def test_what_is_no_imu_and_what_has_no_magnetometer_is_refused(tmp_path: Path, capsys) -> None:
+    kreisel.write(
+        tmp_path / "poses.tum", kreisel.Poses(TRIAL.reference.t, np.ones((600, 3)), TRIAL.reference.R_NS)
+    )
+    assert main(["estimate", str(tmp_path / "poses.tum")]) == 1
+    assert "holds Poses, not an IMU recording" in capsys.readouterr().err
+    kreisel.write(tmp_path / "imu.csv", replace(TRIAL.recording, mag_uT=None))
+    assert main(["estimate", str(tmp_path / "imu.csv"), "--mode", "9"]) == 1
+    assert "needs a magnetometer" in capsys.readouterr().err
+
+
+def test_tuning_is_listed(imu: str, capsys) -> None:
+    assert main(["estimate", imu, "--set", "help"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert any(line.startswith("accel_time: float = 5.0") for line in lines)

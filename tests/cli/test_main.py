@@ -50,3 +50,26 @@ def test_an_option_before_the_command_is_one_mistake(capsys: pytest.CaptureFixtu
         main(["--frobnicate", "info"])
     assert stop.value.code == 2
     assert capsys.readouterr().err.count("\n") == 2
+
+
+@pytest.mark.parametrize("module", ["kreisel.cli.main", "argparse", "numpy", "numba", "kreisel.files.doors"])
+def test_ctrl_c_while_loading_is_one_line_and_130(module: str) -> None:
+    program = f"""
+import sys
+class Interrupted:
+    def find_spec(self, name, path=None, target=None):
+        if name == {module!r}:
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Interrupted())
+sys.argv = ["kreisel", "info", "x.csv"]
+from kreisel.__main__ import main
+sys.exit(main())
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": str(SOURCE)},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 130
+    assert done.stderr == "kreisel: interrupted; nothing half-written was left behind\n"

@@ -85,6 +85,7 @@ def test_a_dry_run_writes_nothing(circle, tmp_path, capsys, monkeypatch):
             "position[0], column 12",
         ),
         (('"nose"', '"truth"'), "an IMU cannot be called 'truth'"),
+        (('"nose"', '"report"\n[[imu]]\nname = "Report"'), "two files would be called 'Report.csv'"),
         (("duration", "[duration"), "is not TOML"),
     ],
 )

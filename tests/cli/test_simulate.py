@@ -99,6 +99,19 @@ def test_ned_in_and_out(poses, tmp_path):
     np.testing.assert_allclose(recording.gyro, np.tile([0, 0, -1.0], (200, 1)), atol=1e-8)
 
 
+def test_a_lever_arm_is_in_the_axes_of_the_input(poses, tmp_path):
+    ned = tmp_path / "ned.csv"
+    assert main(["convert", str(poses), str(ned), "--to-frame", "ned-frd"]) == 0
+    ours = ["simulate", str(poses), "-o", str(tmp_path / "ours"), "--imu", "0.3,-0.2,-0.1:10,-20,-30"]
+    theirs = ["simulate", str(ned), "-o", str(tmp_path / "theirs"), "--imu", "0.3,0.2,0.1:10,20,30"]
+    assert main([*ours, "--no-pictures"]) == 0
+    assert main([*theirs, "--frame", "ned-frd", "--no-pictures"]) == 0
+    left, right = (read(tmp_path / folder / "imu.csv", kind="imu") for folder in ("ours", "theirs"))
+    # Right of and below the origin in either; what differs is round-off through the splines.
+    np.testing.assert_allclose(left.accel, right.accel, atol=1e-8)
+    np.testing.assert_allclose(left.gyro, right.gyro, atol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("text", "name", "p_BS"),
     [
@@ -114,12 +127,46 @@ def test_mounts_are_read(text, name, p_BS):
 
 
 @pytest.mark.parametrize(
-    "text", ["", "1,2", "a:b", "1,2,3:4", "../x:1,2,3", ":1,2,3", "x:1,2,nan", "1,2,3:0,0,1:2"]
+    "text",
+    [
+        *("", "1,2", "a:b", "1,2,3:4", ":1,2,3", "1,2,3:0,0,1:2", "x:1,2,nan", "nan,0,0"),
+        *("../x:1,2,3", "..:1,2,3", "-x:1,2,3", "a\nb:1,2,3", ".x:1,2,3", "truth:1,2,3", "Path:1,2,3"),
+    ],
 )
 def test_mounts_that_cannot_be_are_refused(text, poses, tmp_path, capsys):
     assert main(["simulate", str(poses), "-o", str(tmp_path / "out"), f"--imu={text}"]) == 1
     assert not (tmp_path / "out").exists()
-    assert capsys.readouterr().err.startswith("kreisel: ")
+    err = capsys.readouterr().err
+    assert err.startswith("kreisel: ") and ("IMU" in err or "--imu" in err)
+
+
+def test_imus_that_would_share_a_file_are_refused(poses, tmp_path, capsys):
+    options = ["--imu", "a:0,0,0", "--imu", "A:1,0,0"]
+    assert main(["simulate", str(poses), "-o", str(tmp_path / "out"), *options]) == 1
+    assert not (tmp_path / "out").exists()
+    assert "two files would be called 'A.csv'" in capsys.readouterr().err
+
+
+def test_formats_that_hold_no_imu_are_refused_before_anything_is_written(poses, tmp_path, capsys):
+    assert main(["simulate", str(poses), "-o", str(tmp_path / "out"), "--imu-format", "tum"]) == 1
+    assert not (tmp_path / "out").exists()
+    assert "'csv', 'euroc-imu', 'mat', 'npz'; got 'tum'" in capsys.readouterr().err
+
+
+def test_a_write_protected_file_is_left_alone(poses, tmp_path, capsys):
+    (tmp_path / "imu.csv").write_text("precious")
+    (tmp_path / "imu.csv").chmod(0o444)
+    assert main(["simulate", str(poses), "-o", str(tmp_path)]) == 1
+    assert "imu.csv: the file is write-protected" in capsys.readouterr().err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["circle.csv", "imu.csv"]
+
+
+@pytest.mark.parametrize("command", ["simulate x.csv -o", "demo -o", "run x.toml -o", "evaluate a b -o"])
+def test_an_empty_folder_name_is_refused(command, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main([*command.split(), ""])
+    assert stop.value.code == 2
+    assert "takes the name of a folder" in capsys.readouterr().err
 
 
 def bad_file(tmp_path, text):
@@ -166,10 +213,9 @@ def test_a_folder_that_cannot_be_made_is_named(poses, tmp_path, capsys):
         (["simulate", "x.csv"], "-o/--output"),
     ],
 )
-def test_mistyped_commands_get_a_suggestion_and_exit_code_2(arguments, message, capsys, monkeypatch):
-    monkeypatch.setattr("sys.argv", ["kreisel", *arguments])
+def test_mistyped_commands_get_a_suggestion_and_exit_code_2(arguments, message, capsys):
     with pytest.raises(SystemExit) as stop:
-        main()
+        main(arguments)
     assert stop.value.code == 2
     assert message in capsys.readouterr().err
 
@@ -196,6 +242,10 @@ def test_the_demo_makes_what_it_says(tmp_path, capsys):
         "angular.png",
         "imu.png",
         "motion.gif",
+        "eight_imu.csv",
+        "eight_attitude.tum",
+        "eight_attitude.png",
+        "eight_errors.png",
     }
     assert {p.name for p in tmp_path.iterdir()} == names
     assert all(name in text for name in names)

@@ -32,6 +32,11 @@ REFUSED: dict[str, tuple[type[Exception], str, Callable[[], object]]] = {
     "time matrix": (ValueError, r"t must be \(n,\); got \(5, 3\)", lambda: my_tang(X, X)),
     "functions as samples": (TypeError, 'Use option "sym"', lambda: my_lin(FUNCTIONS, "num", T)),
     "samples as functions": (TypeError, "three functions of time", lambda: my_lin(X, "sym", T)),
+    "a number among functions": (
+        TypeError,
+        r"got \(a function, a function, 0\); write a constant as a function too",
+        lambda: my_lin([np.cos, np.sin, 0], "sym", T),
+    ),
     "two functions": (TypeError, "got 2 items", lambda: my_ang(FUNCTIONS[:2], "sym", T)),
     "one function": (TypeError, "got function", lambda: my_ang(lambda t: t, "sym", T)),
     "words": (TypeError, "phi must be an array of numbers", lambda: my_ang([["a", "b", "c"]], "num", T)),

@@ -5,13 +5,15 @@ import pytest
 
 from kreisel.data.recording import ImuRecording
 from kreisel.estimate.filters.dcm import DcmFilter, PublishedStep
-from kreisel.estimate.run import Stream, run
+from kreisel.estimate.run import run
+from kreisel.estimate.stream import Stream
 from tests.estimate.filters.turning import tumbling, turning
 
 FILTERS = [
     DcmFilter(),
     DcmFilter(mode="6"),
     DcmFilter(mode="gyro", coning=True),
+    DcmFilter.as_published(1.0, 0.01, 0.01),
     DcmFilter(published=PublishedStep(exact=True)),
     DcmFilter(published=PublishedStep(exact=True, observed=True, rate_hz=100.0)),
 ]

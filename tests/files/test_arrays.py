@@ -63,6 +63,13 @@ def test_matlab_sees_columns_and_pages(tmp_path: Path) -> None:
     assert int(seen["t0_ns"][0, 0]) == 1403715524907143168
 
 
+def test_a_bare_array_under_the_name_of_an_archive_is_no_archive(tmp_path: Path) -> None:
+    np.save(tmp_path / "x.npy", S)
+    (tmp_path / "x.npy").rename(tmp_path / "x.npz")
+    with pytest.raises(ValueError, match=r"x\.npz is one bare array \(\.npy\)"):
+        kreisel.read(tmp_path / "x.npz")
+
+
 def test_a_bare_npz_is_read_by_its_names(tmp_path: Path) -> None:
     np.savez(tmp_path / "x.npz", t=T, gyro=S, accel=S)
     assert isinstance(kreisel.read(tmp_path / "x.npz"), kreisel.ImuRecording)

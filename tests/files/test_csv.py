@@ -118,6 +118,11 @@ ROW = "0,1,2,3\n1,1,2,3\n"
         ("t,x,y,z\n1,1,2,3\n0,1,2,3\n", r"line 3, column 't': time runs back, from 1 to 0"),
         ("t,x,y,z\n0,1,2,3\nnan,1,2,3\n", r"line 3, column 't': the time stamp is 'nan'"),
         ("t,x,y,z\nzero,1,2,3\n1,1,2,3\n", r"line 2, column 't': 'zero' is not a number"),
+        ("t,x,y,z\n0,1,2,3\n٠.٥,1,2,3\n", r"line 3, column 't': '٠.٥' is not a number"),
+        (
+            f"t,x,y,z\n0,1,2,3\n0.{'1' * 60},1,2,3\n",
+            r"line 3, column 't': the time stamp has 48 characters or more",
+        ),
         ("t;x;y;z\n0,0;1,5;2;3\n", r"column 't': '0,0' is not a number.*decimal comma"),
         ("t,x,y,z\n0,0,1,5,2,0,3,1\n", r"line 2: 8 fields where 4 .*decimal commas"),
         ("timestamp,x,y,z\n1403715524907143168,1,2,3\n", r"looks like ns.*--column t='timestamp \[ns\]'"),
@@ -152,6 +157,10 @@ def test_a_line_cut_in_its_last_number_is_pointed_out(tmp_path: Path) -> None:
     whole = "t,x,y,z\n" + "".join(f"{k},1.25,2.25,3.25\n" for k in range(5))
     with pytest.warns(UserWarning, match="line 6.*may have been cut off"):
         kreisel.read(file(tmp_path, whole[:-4]))
+
+
+def test_a_whole_last_number_without_line_end_is_none_of_anybodys_business(tmp_path: Path) -> None:
+    kreisel.read(file(tmp_path, "t,x,y,z\n" + "\n".join(f"{k},1.25,2.25,3.25" for k in range(5))))
 
 
 def test_a_foreign_epoch_in_seconds_is_exact(tmp_path: Path) -> None:

@@ -15,8 +15,8 @@ def path(t):
 @pytest.mark.parametrize("sigma", [1e-7, 1e-4, 1e-2])
 def test_white_noise_is_measured_whatever_its_level(rng, sigma):
     noisy = path(T) + sigma * rng.normal(size=(len(T), 3))
-    # 2000 correlated differences: a tenth holds at four standard errors.
-    np.testing.assert_allclose(noise_level(T, noisy), sigma, rtol=0.15)
+    # 2000 differences, of which neighbours share most of their samples, leave a standard error of 5 %: six of them.
+    np.testing.assert_allclose(noise_level(T, noisy), sigma, rtol=0.3)
 
 
 def test_uneven_steps_are_no_noise(rng):

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.interpolate
+import scipy.signal
 import scipy.special
 
 from kreisel.maths.jets import Jet, differentiate
@@ -64,9 +65,9 @@ LOSSES: list[tuple[Any, str]] = [
     (lambda t: np.array([t, t, t]).T - np.array([t, t, t]).T[0], ARRAY),
     (lambda t: np.array([t, t, 1.0]), ARRAY),
     (lambda t: np.array([t, t, np.zeros(len(t) + 1)]), ARRAY),
-    (lambda t: np.polyval([t, t], 2.0), ARRAY),
-    (lambda t: scipy.interpolate.CubicSpline(T, SAMPLES)(t), ARRAY),
-    (lambda t: np.polynomial.Polynomial([1, 2])(t), ARRAY),
+    (lambda t: np.polyval([t, t], 2.0), r"^np\.polyval takes t"),
+    (lambda t: scipy.interpolate.CubicSpline(T, SAMPLES)(t), r"^scipy\.interpolate\.CubicSpline takes t"),
+    (lambda t: np.polynomial.Polynomial([1, 2])(t), r"Polynomial takes t"),
     (np.vectorize(lambda x: 2 * x), ARRAY),
     (_into_plain_array, ARRAY),
     (_into_plain_selection, ARRAY),
@@ -205,3 +206,34 @@ def test_errors_of_the_function_itself_pass_through() -> None:
         differentiate(lambda t: {}["no such gait"], T, 1)
     with pytest.raises(ValueError, match="broadcast"):
         differentiate(lambda t: t + np.zeros(5), T, 1)
+
+
+def _polynomial(t: Any) -> Any:
+    return np.polynomial.Polynomial([1.0, 2.0])(t)
+
+
+OTHERS = {
+    "scipy.interpolate.interp1d": scipy.interpolate.interp1d(T, SAMPLES),
+    "scipy.interpolate.CubicSpline": scipy.interpolate.CubicSpline(T, SAMPLES),
+    "scipy.interpolate.PchipInterpolator": scipy.interpolate.PchipInterpolator(T, SAMPLES),
+    "scipy.signal.chirp": lambda t: scipy.signal.chirp(t, 1.0, 5.0, 2.0),
+    "numpy.polynomial.polynomial.Polynomial": _polynomial,
+}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_what_takes_the_time_for_an_array_is_named_with_its_line(name: str) -> None:
+    def path(t: Any) -> Any:
+        return 2.0 * OTHERS[name](t)
+
+    with pytest.raises(TypeError) as refused:
+        differentiate(path, T, 2)
+    message = str(refused.value)
+    assert message.startswith(f"{name} takes t for a plain array and would lose the derivatives")
+    assert "test_jets_refusals.py, line " in message
+    assert "SampledTrajectory" in message
+
+
+def test_a_mistake_that_numbers_meet_as_well_stays_what_it_is() -> None:
+    with pytest.raises(ValueError, match="mismatch in its core dimension"):
+        differentiate(lambda t: np.matmul(t, np.ones((3, 2))), T, 2)

@@ -75,3 +75,15 @@ def test_long_recordings_take_their_smoothness_from_stretches(rng):
     t = np.arange(0.0, 150.0, 0.005)
     smooth = smoothing_spline(t, path(t) + 1e-4 * rng.normal(size=(len(t), 3)))
     assert rms(smooth(t, 2)[2][100:-100] - path(t, 2)[100:-100]) < 0.5
+
+
+def test_the_rate_is_less_certain_at_the_ends_and_in_a_gap(rng):
+    t = np.delete(np.arange(0.0, 10.0, 0.01), np.arange(480, 540))
+    truth = np.sin(t)[:, None]
+    draws = [smoothing_spline(t, truth + 1e-3 * rng.normal(size=truth.shape)) for _ in range(20)]
+    errors = np.array([draw(t, 1)[1, :, 0] - np.cos(t) for draw in draws])
+    known = np.median([draw.rate_sigma for draw in draws], axis=0)
+    # The posterior bounds what the noise does; 20 draws know a standard deviation to a sixth, and 5 of these fit.
+    assert (np.sqrt(np.mean(errors**2, axis=0)) < 2.0 * known).all()
+    middle = known[200]
+    assert known[0] > 3.0 * middle and known[-1] > 3.0 * middle and known[479] > 1.2 * middle

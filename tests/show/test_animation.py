@@ -127,7 +127,8 @@ def test_suffix_and_empty_motion_are_refused_before_anything_is_written(tmp_path
 def test_flat_colours_come_back_exactly(tmp_path: Path) -> None:
     colours = np.array([[255, 255, 255], [251, 252, 253], [215, 38, 61], [0, 114, 178]], dtype=np.uint8)
     still = [colours[(np.indices((40, 60)).sum(axis=0) // 10 + k) % 4] for k in range(3)]
-    write_gif(tmp_path / "a.gif", still, shared_palette(still), 4)
+    with (tmp_path / "a.gif").open("wb") as out:
+        write_gif(out, still, shared_palette(still), 4)
     pictures, times = frames(tmp_path / "a.gif")
     np.testing.assert_array_equal(pictures, still)
     assert times == [40, 40, 40]

@@ -34,21 +34,34 @@ def test_another_suffix_is_refused_with_those_that_work(tmp_path: Path, name: st
 
 
 def test_a_missing_folder_is_named(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"no folder .*nowhere"):
+    with pytest.raises(FileNotFoundError, match=r"the folder .*nowhere does not exist"):
         save(Figure(), tmp_path / "nowhere" / "a.png")
 
 
 def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
     class Broken(Figure):
         def savefig(self, fname, **options):
-            Path(fname).write_bytes(b"half a pic")
-            raise OSError("disk full")
+            fname.write(b"half a pic")
+            raise OSError("no such font")
 
     target = tmp_path / "a.png"
     target.write_bytes(b"old")
-    with pytest.raises(OSError, match="disk full"):
+    with pytest.raises(OSError, match="no such font"):
         save(Broken(), target)
     assert target.read_bytes() == b"old" and list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.parametrize("kind", BEGINNINGS)
+def test_a_full_disk_is_the_sentence_of_every_file(tmp_path: Path, monkeypatch, kind: str) -> None:
+    def full(_: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(
+        OSError, match=rf"cannot write .*a\.{kind}: No space left on device\. Nothing was left"
+    ):
+        save(Figure(), tmp_path / f"a.{kind}")
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.skipif(os.name != "posix", reason="file modes are POSIX")

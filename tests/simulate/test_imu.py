@@ -1,6 +1,7 @@
 """What a perfect IMU reads, with and without a magnetic field around it."""
 
 import numpy as np
+import pytest
 
 from kreisel.data.environment import Environment
 from kreisel.data.motion import Mount
@@ -36,3 +37,10 @@ def test_a_turned_magnetometer_on_a_moving_body_turns_back_to_the_field():
     back = np.einsum("nij,nj->ni", motion.at(mount).R_NB, recording.mag_uT)
     # Two products with rotations: a few roundings of 48 uT.
     np.testing.assert_allclose(back, np.tile(FIELD, (len(T), 1)), atol=1e-13)
+
+
+def test_what_is_no_mount_or_motion_is_refused_with_the_cure():
+    with pytest.raises(TypeError, match=r"mount must be of type Mount; got list\. Write Mount\("):
+        Imu([1, 2, 3])
+    with pytest.raises(TypeError, match=r"motion must be of type Motion; got ndarray\. .*sample\(t\)"):
+        Imu().ideal(T)

@@ -33,6 +33,7 @@ GYRO = [
 ]
 ACCEL = [GaussMarkov(sigma=0.05, time_constant=3.0), WhiteNoise(density=2e-3)]
 MAG = [TurnOnBias(sigma=1.0), WhiteNoise(density=0.1)]
+SENSORS = ("gyro", "accel", "mag_uT")
 ALL: dict[str, Any] = {"gyro_effects": GYRO, "accel_effects": ACCEL, "mag_effects": MAG}
 
 
@@ -42,7 +43,7 @@ def seed_of(rng: np.random.Generator) -> int:
 
 def bits(recorded: Recorded) -> list[bytes]:
     read = recorded.measured
-    errors = [error for each in recorded.errors.values() for error in each.values()]
+    errors = [error for sensor in SENSORS for error in recorded.errors(sensor).values()]
     columns = (read.t, read.gyro, read.accel, read.mag_uT, recorded.gyro_bias, recorded.accel_bias, *errors)
     return [np.asarray(column).tobytes() for column in columns]
 
@@ -55,9 +56,9 @@ def test_without_errors_it_reads_the_ideal_to_the_bit(rng: np.random.Generator) 
     ]
     imu = Imu(gyro_effects=zeros, accel_effects=zeros, mag_effects=zeros, environment=SURROUNDINGS)
     recorded, ideal = imu.record(MOTION, seed_of(rng)), imu.ideal(MOTION)
-    for sensor in ("gyro", "accel", "mag_uT"):
+    for sensor in SENSORS:
         assert getattr(recorded.measured, sensor).tobytes() == getattr(ideal, sensor).tobytes()
-        assert not any(error.any() for error in recorded.errors[sensor].values())
+        assert not any(error.any() for error in recorded.errors(sensor).values())
     assert not recorded.gyro_bias.any() and not recorded.accel_bias.any()
 
 
@@ -78,7 +79,7 @@ def test_a_generator_gives_one_draw(rng: np.random.Generator) -> None:
 def test_a_longer_recording_begins_with_the_shorter(rng: np.random.Generator) -> None:
     seed, imu = seed_of(rng), Imu(**ALL, environment=SURROUNDINGS)
     short = imu.record(MOTION.rows(slice(0, 4500)), seed)
-    for sensor in ("gyro", "accel", "mag_uT"):
+    for sensor in SENSORS:
         whole = getattr(imu.record(MOTION, seed).measured, sensor)
         np.testing.assert_array_equal(getattr(short.measured, sensor), whole[:4500])
 
@@ -97,8 +98,8 @@ def test_switching_one_effect_off_leaves_the_draws_of_the_others_alone(
         # Errors are differences of readings of a few rad/s: round-off, where scale acts on other readings.
         scale = 0.01 * np.abs(with_all.measured.gyro).max() if effect.name == "scale_factor" else 0.0
         np.testing.assert_allclose(
-            without.errors["gyro"][effect.name],
-            with_all.errors["gyro"][effect.name],
+            without.errors("gyro")[effect.name],
+            with_all.errors("gyro")[effect.name],
             atol=1e-14 + scale * 1e-12,
         )
     np.testing.assert_array_equal(without.measured.accel, with_all.measured.accel)
@@ -107,7 +108,7 @@ def test_switching_one_effect_off_leaves_the_draws_of_the_others_alone(
 def test_order_does_not_matter_to_the_draws(rng: np.random.Generator) -> None:
     seed = seed_of(rng)
     ahead, behind = (
-        Imu(accel_effects=effects).record(MOTION, seed).errors["accel"]["white_noise"]
+        Imu(accel_effects=effects).record(MOTION, seed).errors("accel")["white_noise"]
         for effects in (ACCEL, ACCEL[::-1])
     )
     np.testing.assert_allclose(ahead, behind, atol=1e-14)
@@ -115,17 +116,27 @@ def test_order_does_not_matter_to_the_draws(rng: np.random.Generator) -> None:
 
 def test_ideal_and_errors_add_up_to_what_was_measured(rng: np.random.Generator) -> None:
     recorded = Imu(**ALL, environment=SURROUNDINGS).record(MOTION, seed_of(rng))
-    for sensor in ("gyro", "accel", "mag_uT"):
-        total = getattr(recorded.ideal, sensor) + sum(recorded.errors[sensor].values())
+    for sensor in SENSORS:
+        total = getattr(recorded.ideal, sensor) + sum(recorded.errors(sensor).values())
         # A handful of roundings of 50 uT at most.
         np.testing.assert_allclose(getattr(recorded.measured, sensor), total, atol=5e-14)
 
 
 def test_the_bias_is_the_sum_of_what_a_filter_may_estimate(rng: np.random.Generator) -> None:
     recorded = Imu(**ALL, environment=SURROUNDINGS).record(MOTION, seed_of(rng))
-    gyro, accel = recorded.errors["gyro"], recorded.errors["accel"]
-    np.testing.assert_array_equal(recorded.gyro_bias, gyro["turn_on_bias"] + gyro["bias_random_walk"])
+    gyro, accel = recorded.errors("gyro"), recorded.errors("accel")
+    # Differences of readings of 10 rad/s, rounded.
+    expected = gyro["turn_on_bias"] + gyro["bias_random_walk"]
+    np.testing.assert_allclose(recorded.gyro_bias, expected, rtol=0.0, atol=1e-14)
     np.testing.assert_array_equal(recorded.accel_bias, accel["gauss_markov"])
+
+
+def test_biases_with_something_between_them_add_up_too(rng: np.random.Generator) -> None:
+    effects = [TurnOnBias(sigma=0.1), WhiteNoise(density=1.0), BiasRandomWalk(density=0.1)]
+    recorded = Imu(gyro_effects=effects).record(MOTION, seed_of(rng))
+    errors = recorded.errors("gyro")
+    expected = errors["turn_on_bias"] + errors["bias_random_walk"]
+    np.testing.assert_allclose(recorded.gyro_bias, expected, rtol=0.0, atol=1e-13)
 
 
 def test_sensors_imus_and_runs_have_draws_of_their_own(rng: np.random.Generator) -> None:
@@ -133,7 +144,8 @@ def test_sensors_imus_and_runs_have_draws_of_their_own(rng: np.random.Generator)
 
     def made(name: str = "imu", run: int = 0) -> list[np.ndarray]:
         imu = Imu(Mount(name=name), noise, noise)
-        return [each["white_noise"] for each in imu.record(MOTION, seed, run).errors.values()]
+        recorded = imu.record(MOTION, seed, run)
+        return [recorded.errors(sensor)["white_noise"] for sensor in ("gyro", "accel")]
 
     columns = np.concatenate([*made(), *made(name="wrist"), *made(run=1)], axis=1)
     correlation = np.corrcoef(columns.T)[np.triu_indices(18, 1)]
@@ -148,9 +160,9 @@ def test_a_reading_at_rest_is_gravity_with_a_bias(rng: np.random.Generator) -> N
 
 
 def size_of(recorded: Recorded) -> int:
-    return sum(map(len, bits(recorded))) + sum(
-        getattr(recorded.ideal, sensor).nbytes for sensor in ("gyro", "accel", "mag_uT")
-    )
+    read = [recorded.gyro_bias, recorded.accel_bias, recorded.measured.t]
+    read += [getattr(each, sensor) for each in (recorded.measured, recorded.ideal) for sensor in SENSORS]
+    return sum(column.nbytes for column in read)
 
 
 @pytest.mark.parametrize(
@@ -188,12 +200,17 @@ def test_bad_input(make, message: str) -> None:
         make()
 
 
+def test_errors_of_a_sensor_that_is_not_there() -> None:
+    with pytest.raises(ValueError, match="sensor must be one of 'gyro', 'accel'; got 'mag_uT'"):
+        Imu().record(MOTION, 1).errors("mag_uT")
+
+
 def test_two_of_a_kind_may_go_by_different_names(rng: np.random.Generator) -> None:
     effects = [
         GaussMarkov(sigma=1.0, time_constant=1.0),
         GaussMarkov(sigma=1.0, time_constant=1.0, name="slow"),
     ]
-    errors = Imu(gyro_effects=effects).record(MOTION, seed_of(rng)).errors["gyro"]
+    errors = Imu(gyro_effects=effects).record(MOTION, seed_of(rng)).errors("gyro")
     assert np.abs(errors["gauss_markov"] - errors["slow"]).max() > 0.1
 
 

@@ -150,7 +150,7 @@ MISTAKES = [
     (SOUND + CIRCLE + "radius = true", "s.toml: trajectory.radius must be a number; got True."),
     (SOUND + CIRCLE + "radius = inf", "s.toml: trajectory.radius must be a finite number; got inf."),
     (SOUND + CIRCLE + "radius = 2024-01-01", "s.toml: trajectory: parameters.radius must hold plain values"),
-    (SOUND + CIRCLE + "period = 0", "s.toml: trajectory: its numbers cannot be calculated with"),
+    (SOUND + CIRCLE + "period = 0", "s.toml: trajectory: period must not be 0."),
     (SOUND + '[trajectory]\nkind = "line"\nvelocity = [1, 2]', "s.toml: trajectory: velocity must be (3,)"),
     (
         SOUND + '[trajectory]\nkind = "line"\nvelocity = [1, "x", 3]',

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
 from kreisel.data.checks import choice
+from kreisel.data.facts import impossible_units, unit_doubts
 from kreisel.data.frames import WORLDS, to_enu_flu
+from kreisel.data.recording import ImuRecording
 from kreisel.data.trial import Trial
 from kreisel.files.doors import KINDS, format_names, read
-from kreisel.files.formats import Noun
+from kreisel.files.formats import Content, Noun
 
 
 def add_input_arguments(parser: ArgumentParser, many: bool = False) -> None:
@@ -51,8 +54,14 @@ def read_input(args: Namespace, path: str | None = None, kind: str | None = None
     Of a benchmark's trial it is the recording.
     kind : "poses", "motion" or "imu" to insist on one whatever --kind says, as `kreisel.read` has it.
     """
+    data = read_content(args, path, kind)
+    return to_enu_flu(data.recording if isinstance(data, Trial) else data, args.frame)
+
+
+def read_content(args: Namespace, path: str | None = None, kind: str | None = None) -> Content:
+    """The same in the axes of the file, and a benchmark's trial as a whole."""
     choice("--frame", args.frame, tuple(WORLDS))
-    data = read(
+    return read(
         Path(args.input if path is None else path),
         args.from_format,
         kind=kind or args.kind,
@@ -60,7 +69,6 @@ def read_input(args: Namespace, path: str | None = None, kind: str | None = None
         rate_hz=args.input_rate,
         times=args.times,
     )
-    return to_enu_flu(data.recording if isinstance(data, Trial) else data, args.frame)
 
 
 def parse_columns(pairs: Sequence[str] | None) -> dict[str, str] | None:
@@ -73,3 +81,15 @@ def parse_columns(pairs: Sequence[str] | None) -> dict[str, str] | None:
         if not name.strip() or not header.strip():
             raise ValueError(f"--column takes NAME=HEADER, such as --column t='Time [ms]'; got {pair!r}.")
     return {name.strip(): header.strip() for name, header in columns.items()}
+
+
+def check_units(recording: ImuRecording, path: str, trusted: bool) -> None:
+    """Refuse impossible units unless they are trusted; doubtful ones are a note on stderr."""
+    impossible = impossible_units(recording)
+    if impossible and not trusted:
+        raise ValueError(
+            f"{path}: {' And '.join(impossible)} Name the unit (--column accel_x='ax [g]'), "
+            "or insist with --trust-units."
+        )
+    for doubt in unit_doubts(recording):
+        sys.stderr.write(f"kreisel: note: {path}: {doubt}\n")

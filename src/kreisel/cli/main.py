@@ -40,11 +40,19 @@ class _Parser(argparse.ArgumentParser):
         # "-0.1,0,0" is a lever arm, not an option.
         self._negative_number_matcher = re.compile(r"^-[.\d].*$")
 
+        self._typed: list[str] = []
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As argparse does it, with the arguments kept for `error` to look at."""
+        self._typed = list(sys.argv[1:] if args is None else args)
+        return super().parse_known_args(args, namespace)
+
     def error(self, message: str) -> NoReturn:
+        """Say in one line what is wrong, or what was meant."""
         import difflib
 
         words = self._words()
-        typed = [a for a in sys.argv[1:] if a not in words]
+        typed = [a for a in self._typed if a not in words]
         # A path that happens to resemble an option is no typing mistake: only bare words are compared.
         near = [
             f"{a!r} - did you mean {m[0]!r}?"
@@ -97,9 +105,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         build_parser().print_help()
         return 2
     command = next((word for word in arguments if not word.startswith("-")), None)
-    args = build_parser(command).parse_args(arguments)
     try:
+        # Around the parser too: it imports the command, and with it most of the package.
         with _notes_in_one_line():
+            args = build_parser(command).parse_args(arguments)
             code: int = args.run(args)
         sys.stdout.flush()
         return code

@@ -1,16 +1,20 @@
-"""Turns a simulated motion into a folder of files and a short summary that says what is in it."""
+"""Turns what a command made into a folder of files and a short summary that says what is in it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+import json
+import sys
+from argparse import ArgumentTypeError
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TextIO, TypeVar
 
 import numpy as np
 
+from kreisel.atomic import is_standard_output, refuse_unwritable, replacing
 from kreisel.data.motion import Motion, Mount, Note
-from kreisel.files.doors import write
+from kreisel.files.doors import suffix, write
 
 if TYPE_CHECKING:
     from kreisel.data.recording import ImuRecording
@@ -19,47 +23,87 @@ if TYPE_CHECKING:
 # Shown of each kind of note; a path with a thousand reversals must not bury the summary.
 _NOTES_SHOWN = 4
 
+_TAKEN = ("truth", "path", "linear", "angular", "motion")
 
-def write_simulation(
-    folder: Path,
-    motion: Motion,
-    mounts: Sequence[Mount],
-    recordings: Sequence[ImuRecording],
-    *,
-    world: str = "enu-flu",
-    imu_format: str = "csv",
-    pictures: bool = True,
-    animation: bool = False,
-) -> list[str]:
-    """Write IMU data, truth and pictures to `folder`; the lines of a summary that names each file."""
-    from kreisel.data.frames import from_enu_flu
-
-    check_names([recording.name for recording in recordings])
-    make_folder(folder)
-    lines = []
-    for recording in recordings:
-        path = folder / f"{recording.name}.{_SUFFIX.get(imu_format, imu_format)}"
-        write(path, from_enu_flu(recording, world), format=imu_format)
-        magnetometer = "" if recording.mag_uT is None else " and magnetometer (uT)"
-        sensors = f"gyroscope (rad/s){',' if magnetometer else ' and'} accelerometer (m/s^2){magnetometer}"
-        lines.append(f"{path}  {sensors}, {len(recording)} samples")
-    truth = from_enu_flu(motion, world)
-    write(folder / "truth.tum", truth)
-    lines.append(f"{folder / 'truth.tum'}  position and attitude of the body, as evo and others read it")
-    write(folder / "truth.npz", truth)
-    lines.append(f"{folder / 'truth.npz'}  the whole motion, for numpy.load")
-    if pictures:
-        lines += _draw(folder, motion, mounts, recordings)
-    if animation:
-        from kreisel.show.animation import animate
-
-        animate(motion, mounts, folder / "motion.gif", recording=recordings[0])
-        lines.append(f"{folder / 'motion.gif'}  the body moving along its path, and what it feels")
-    return lines
+Made = TypeVar("Made", contravariant=True)
 
 
-def make_folder(folder: Path) -> None:
-    """Make `folder` and those above it; OSError, one sentence, where that cannot be."""
+@dataclass(frozen=True, slots=True)
+class Output(Generic[Made]):
+    """One file of a folder, known by name before what it will hold has been made."""
+
+    name: str
+    what: str  # for the summary
+    write: Callable[[Made, Path], Any]
+
+
+class Simulated(Protocol):
+    """What a simulation made: one mount and one recording per IMU."""
+
+    @property
+    def motion(self) -> Motion:
+        """The truth, of the body."""
+        ...
+
+    @property
+    def mounts(self) -> Sequence[Mount]:
+        """Where the IMUs sit."""
+        ...
+
+    @property
+    def recordings(self) -> Sequence[ImuRecording]:
+        """What they read."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Simulation:
+    """A motion and what IMUs on it read."""
+
+    motion: Motion
+    mounts: Sequence[Mount]
+    recordings: Sequence[ImuRecording]
+
+
+def output_folder(text: str) -> Path:
+    """The folder that an option names; for argparse, as `type`."""
+    if not text.strip():
+        raise ArgumentTypeError(
+            "takes the name of a folder; got an empty one. Write . for the current folder"
+        )
+    return Path(text)
+
+
+def summary_stream(output: str) -> TextIO:
+    """Where to print what is told about `output`: the data itself may have gone to standard output."""
+    return sys.stderr if is_standard_output(output) else sys.stdout
+
+
+def check_outputs(folder: Path, outputs: Sequence[Output[Any]]) -> None:
+    """Refuse outputs of which one would replace another, or a file that is write-protected."""
+    seen: dict[str, Output[Any]] = {}
+    for output in outputs:
+        # Many file systems take Imu.csv and imu.csv for one.
+        other = seen.setdefault(output.name.casefold(), output)
+        if other is not output:
+            raise ValueError(
+                f"two files would be called {output.name!r}: {other.what}; {output.what}. "
+                "Give the IMU or filter another name."
+            )
+    for output in outputs if folder.is_dir() else ():
+        refuse_unwritable(folder / output.name)
+
+
+def write_outputs(folder: Path, outputs: Sequence[Output[Made]], made: Made) -> list[str]:
+    """Write every output, or none where one cannot be; the lines of a summary that names each file."""
+    check_outputs(folder, outputs)
+    _make_folder(folder)
+    for output in outputs:
+        output.write(made, folder / output.name)
+    return [f"{folder / output.name}  {output.what}" for output in outputs]
+
+
+def _make_folder(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -68,33 +112,87 @@ def make_folder(folder: Path) -> None:
         ) from None
 
 
-def check_names(imus: Sequence[str]) -> None:
-    """Refuse an IMU whose files would have the names of others."""
-    taken = next((name for name in imus if name in _TAKEN), None)
+def write_json(report: Any, path: Path) -> None:
+    """Write a report for programs; NaN, which JSON does not know, is a ValueError."""
+    with replacing(path) as out:
+        out.write((json.dumps(report, indent=2, allow_nan=False) + "\n").encode())
+
+
+def simulation_outputs(
+    imus: Sequence[str],
+    *,
+    magnetometer: bool = False,
+    world: str = "enu-flu",
+    imu_format: str = "csv",
+    pictures: bool = True,
+    animation: bool = False,
+) -> list[Output[Simulated]]:
+    """IMU data, truth and pictures of a simulation whose IMUs have these names."""
+    from kreisel.data.frames import from_enu_flu
+
+    taken = next((name for name in imus if name.casefold() in _TAKEN), None)
     if taken is not None:
-        raise ValueError(f"an IMU cannot be called {taken!r}: a file of that name is written too.")
+        raise ValueError(f"an IMU cannot be called {taken!r}: files of that name are written too.")
+
+    def recording(k: int) -> Callable[[Simulated, Path], None]:
+        return lambda made, path: write(path, from_enu_flu(made.recordings[k], world), format=imu_format)
+
+    def truth(made: Simulated, path: Path) -> None:
+        write(path, from_enu_flu(made.motion, world))
+
+    sensors = ["gyroscope (rad/s)", "accelerometer (m/s^2)", *(["magnetometer (uT)"] if magnetometer else [])]
+    data = [
+        Output(f"{name}{suffix(imu_format)}", f"{', '.join(sensors)} of {name}", recording(k))
+        for k, name in enumerate(imus)
+    ]
+    return [
+        *data,
+        Output("truth.tum", "position and attitude of the body, as evo and others read it", truth),
+        Output("truth.npz", "the whole motion, for numpy.load", truth),
+        *(_pictures(imus) if pictures else ()),
+        *(
+            [Output("motion.gif", "the body moving along its path, and what it feels", _film)]
+            if animation
+            else ()
+        ),
+    ]
 
 
-_TAKEN = ("truth", "path", "linear", "angular", "motion")
+def picture(name: str, what: str, draw: Callable[[Made], Any]) -> Output[Made]:
+    """The output of a figure that `draw` makes."""
 
-_SUFFIX = {"euroc-imu": "txt"}
+    def save(made: Made, path: Path) -> None:
+        from kreisel import show
+
+        show.save(draw(made), path)
+
+    return Output(name, what, save)
 
 
-def _draw(
-    folder: Path, motion: Motion, mounts: Sequence[Mount], recordings: Sequence[ImuRecording]
-) -> list[str]:
+def _pictures(imus: Sequence[str]) -> Iterator[Output[Simulated]]:
     from kreisel import show
 
-    figures = {
-        "path.png": (show.plot_path(motion, mounts), "the path with the body on it"),
-        "linear.png": (show.plot_linear(motion), "position, velocity, acceleration"),
-        "angular.png": (show.plot_angular(motion), "angles, rates, angular accelerations"),
-    }
-    for recording in recordings:
-        figures[f"{recording.name}.png"] = (show.plot_imu(recording), "what the IMU reads")
-    for name, (figure, _) in figures.items():
-        show.save(figure, folder / name)
-    return [f"{folder / name}  {what}" for name, (_, what) in figures.items()]
+    yield picture(
+        "path.png", "the path with the body on it", lambda made: show.plot_path(made.motion, made.mounts)
+    )
+    yield picture(
+        "linear.png", "position, velocity, acceleration", lambda made: show.plot_linear(made.motion)
+    )
+    yield picture(
+        "angular.png", "angles, rates, angular accelerations", lambda made: show.plot_angular(made.motion)
+    )
+
+    def imu(k: int) -> Callable[[Simulated], Any]:
+        return lambda made: show.plot_imu(made.recordings[k])
+
+    for k, name in enumerate(imus):
+        yield picture(f"{name}.png", f"what {name} reads", imu(k))
+
+
+def _film(made: Simulated, path: Path) -> None:
+    from kreisel.show.animation import animate
+
+    animate(made.motion, made.mounts, path, recording=made.recordings[0])
 
 
 def describe_notes(notes: Sequence[Note]) -> list[str]:

@@ -6,6 +6,8 @@ received, what to do.
 
 from __future__ import annotations
 
+import re
+import warnings
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -17,6 +19,8 @@ Array = npt.NDArray[np.float64]
 
 SAME_INSTANT = 1e-7
 """Stamps this close (s) are the same instant: files round to a nanosecond or so, clocks jitter by more."""
+
+_FILE_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_. +-]{0,63}")
 
 
 def read_only(x: Array) -> Array:
@@ -69,7 +73,11 @@ def three_functions(name: str, value: Any) -> Sequence[Callable[[Any], Any]]:
     """`value` itself when it holds three functions, else a TypeError that shows how to write them."""
     if isinstance(value, Sequence) and len(value) == 3 and all(callable(part) for part in value):
         return value
-    got = f"{len(value)} items" if isinstance(value, Sequence) else type(value).__name__
+    if isinstance(value, Sequence) and len(value) == 3:
+        got = "(" + ", ".join("a function" if callable(x) else repr(x)[:40] for x in value) + ")"
+        got += "; write a constant as a function too, lambda t: 0"
+    else:
+        got = f"{len(value)} items" if isinstance(value, Sequence) else type(value).__name__
     raise TypeError(
         f"{name} must be three functions of time, as in (lambda t: np.cos(t), lambda t: np.sin(t), "
         f'lambda t: 0 * t); got {got}. Samples go with option "num".'
@@ -131,6 +139,24 @@ def rotations(name: str, R: Array, tolerance: float = 1e-6) -> Array:
     return R
 
 
+def radians(name: str, phi: Array) -> Array:
+    """Euler angles `phi` (n, 3) themselves, with a UserWarning where they look like degrees.
+
+    Nobody counts pitch beyond a whole turn, nor does an angle step by 100 rad from one sample to the next, as degrees
+    do where they wrap. Roll and heading may have been unwrapped over many turns.
+    """
+    pitch = np.abs(phi[:, 1]).max(initial=0.0)
+    step = np.abs(np.diff(phi, axis=0)).max(initial=0.0)
+    if pitch > 2.0 * np.pi or step > 100.0:
+        what = f"an angle steps by {step:.4g}" if step > 100.0 else f"phi_y reaches {pitch:.4g}"
+        warnings.warn(
+            f"{name} is read as radians, but {what}: are these degrees? Then give np.deg2rad of them, "
+            "otherwise matrices.",
+            stacklevel=3,
+        )
+    return phi
+
+
 def unit_quaternions(name: str, q: Array, tolerance: float = 1e-2) -> Array:
     """`q` (n, 4) scaled to unit length, or a ValueError where a row is too far from it to be round-off.
 
@@ -146,6 +172,37 @@ def unit_quaternions(name: str, q: Array, tolerance: float = 1e-2) -> Array:
             "Check which columns are the quaternion and their order (wxyz or xyzw)."
         )
     return np.asarray(q / length[:, None], dtype=np.float64)
+
+
+def file_name(name: str, value: Any) -> str:
+    """`value` itself where files can be called so on any system, or a ValueError that names it."""
+    if not isinstance(value, str) or not _FILE_NAME.fullmatch(value):
+        raise ValueError(
+            f"{name} must start with a letter or digit and hold letters, digits, blanks, _ + - . only, "
+            f"as files are called by it; got {value!r:.80}."
+        )
+    return value
+
+
+def finite_number(name: str, value: Any, above: float | None = None, zero: bool = True) -> float:
+    """`value` as a finite float, or a ValueError: not above `above`, or 0 where that has no meaning."""
+    try:
+        x = np.nan if isinstance(value, bool | str) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        x = np.nan
+    if not np.isfinite(x):
+        raise ValueError(f"{name} must be a finite number; got {value!r:.60}.")
+    if above is not None and not x > above:
+        raise ValueError(f"{name} must be above {above:g}; got {value!r:.60}.")
+    if not zero and x == 0.0:
+        raise ValueError(f"{name} must not be 0.")
+    return x
+
+
+def instance(name: str, value: Any, kind: type[Any], cure: str) -> None:
+    """Refuse what is not of `kind`; `cure` is how to come by one."""
+    if not isinstance(value, kind):
+        raise TypeError(f"{name} must be of type {kind.__name__}; got {type(value).__name__}. {cure}")
 
 
 def choice(name: str, value: Any, options: Sequence[str]) -> str:
@@ -174,7 +231,7 @@ def per_axis(name: str, value: Any, unit: str, lowest: float = -LARGEST, highest
     return read_only(np.full(3, array))
 
 
-def number(name: str, value: Any, unit: str, lowest: float = -LARGEST, highest: float = LARGEST) -> float:
+def scalar(name: str, value: Any, unit: str, lowest: float = -LARGEST, highest: float = LARGEST) -> float:
     """`value` as a float, or a ValueError outside [lowest, highest] that names the unit."""
     array = as_array(name, value)
     if array.shape != () or not lowest <= float(array) <= highest:

@@ -7,7 +7,7 @@ from datetime import date
 
 import numpy as np
 
-from kreisel.data.checks import Array, finite, number, shaped
+from kreisel.data.checks import Array, finite, scalar, shaped
 
 STANDARD_GRAVITY = 9.80665
 """m/s^2; BIPM, SI brochure, conventional value of the acceleration due to gravity."""
@@ -30,9 +30,9 @@ class Environment:
         """
         from kreisel.maths.earth import magnetic_field_uT, normal_gravity
 
-        latitude = float(np.deg2rad(number("latitude_deg", latitude_deg, "deg", -90.0, 90.0)))
-        longitude = float(np.deg2rad(number("longitude_deg", longitude_deg, "deg", -180.0, 360.0)))
-        height = number("height_m", height_m, "m", -1000.0, 100_000.0)
+        latitude = float(np.deg2rad(scalar("latitude_deg", latitude_deg, "deg", -90.0, 90.0)))
+        longitude = float(np.deg2rad(scalar("longitude_deg", longitude_deg, "deg", -180.0, 360.0)))
+        height = scalar("height_m", height_m, "m", -1000.0, 100_000.0)
         if not isinstance(day, date):
             raise TypeError(
                 f"day must be a datetime.date, such as date(2026, 5, 1); got {type(day).__name__}."

@@ -19,6 +19,9 @@ _GAP = 1.5
 # rad/s; 2000 deg/s is the widest range of common gyros.
 _FASTEST_GYRO = 35.0
 
+# Share of samples that may be wild before it is the unit's fault rather than theirs.
+_FAULTS = 1e-3
+
 _GAUSS_IN_UT = 100.0
 
 
@@ -90,6 +93,10 @@ def clock_of(t: Array, t0_ns: int) -> Clock:
 def unit_doubts(recording: ImuRecording) -> list[str]:
     """Sentences about units and axes that look wrong, each naming the likely one; empty if none."""
     doubts = impossible_units(recording)
+    fastest = _largest_norm(recording.gyro)
+    # A few such samples may be faults.
+    if fastest > _FASTEST_GYRO and not any(doubt.startswith("the gyro") for doubt in doubts):
+        doubts.append(f"the gyroscope reaches {fastest:.4g} rad/s: faults, or deg/s?")
     if recording.mag_uT is not None:
         doubts += _field_doubts(_median_norm(recording.mag_uT))
     return doubts + _axis_doubts(recording.accel)
@@ -105,9 +112,13 @@ def impossible_units(recording: ImuRecording) -> list[str]:
             doubts.append(
                 f"the accelerometer's median is {force:.4g}: it looks like {unit}, where m/s^2 is expected."
             )
-    fastest = _largest_norm(recording.gyro)
-    if fastest > _FASTEST_GYRO:
-        doubts.append(f"the gyroscope reaches {fastest:.4g} rad/s: it looks like deg/s.")
+    fast = _norms(recording.gyro) > _FASTEST_GYRO
+    # A handful are faults in a recording of any length.
+    if fast.sum() > max(5.0, _FAULTS * fast.size):
+        fastest = _largest_norm(recording.gyro)
+        doubts.append(
+            f"the gyroscope reaches {fastest:.4g} rad/s: it looks like deg/s, where rad/s is expected."
+        )
     return doubts
 
 

@@ -16,11 +16,11 @@ import numpy as np
 
 from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.checks import Array, choice
-from kreisel.data.motion import Motion
+from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
 
-Data = TypeVar("Data", bound=Poses | Motion | ImuRecording | AttitudeHistory | Reference)
+Data = TypeVar("Data", bound=Poses | Motion | ImuRecording | AttitudeHistory | Reference | Mount)
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +103,8 @@ def _turned(
             omega_NB_B=body(data.omega_NB_B, -1),
             alpha_NB_B=body(data.alpha_NB_B, -1),
         )
+    if isinstance(data, Mount):
+        return replace(data, p_BS=body(data.p_BS, -1), R_BS=body(body(data.R_BS, -2), -1))
     if isinstance(data, Reference):
         return replace(data, R_NS=body(nav(data.R_NS, -2), -1))
     if isinstance(data, AttitudeHistory):

@@ -1,23 +1,32 @@
-"""Turns a recording into attitude, all at once or sample by sample as it comes in."""
+"""Turns a recording into attitude, all at once."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
-import numpy.typing as npt
 
 from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.recording import ImuRecording
 from kreisel.estimate import filters as at
+from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters import Array, AttitudeFilter
 from kreisel.maths.kernels import argument
+
+# Samples whose answers fit the L2 cache (0.5 MB), from where they are unpacked.
+_BLOCK = 4096
 
 
 def run(filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None = None) -> AttitudeHistory:
     """The attitude at every sample of `recording`, the first one from R_NS (3, 3) or from the first samples.
 
+    Its a_N is the specific force of each sample in N less gravity, not smoothed; NaN where the sample is missing.
     Raises ValueError where the filter needs a magnetometer that the recording does not have.
     """
-    return _history(recording, _answers(filter, recording, R_NS))
+    columns = Columns.of(1, len(recording))
+    for first, answers in _blocks(filter, recording, R_NS):
+        columns.fill(first, answers[None], argument(recording.accel[None]))
+    return columns.history(0, recording)
 
 
 def run_both(
@@ -28,110 +37,41 @@ def run_both(
     The second is the first with all turns about up taken back that the magnetometer asked for: its heading starts
     at zero and drifts, less than that of a run which never saw a magnetometer and learned no bias from it.
     """
-    answers = _answers(filter, recording, R_NS)
-    without = answers.copy()
-    c, s = np.cos(answers[:, at.HEADING]), np.sin(answers[:, at.HEADING])
-    east, north = answers[:, 0:3], answers[:, 3:6]
-    without[:, 0:3] = c[:, None] * east + s[:, None] * north
-    without[:, 3:6] = c[:, None] * north - s[:, None] * east
-    return _history(recording, answers), _history(recording, without)
+    whole, without = Columns.of(1, len(recording)), Columns.of(1, len(recording))
+    accel = argument(recording.accel[None])
+    for first, answers in _blocks(filter, recording, R_NS):
+        whole.fill(first, answers[None], accel)
+        c, s = np.cos(answers[:, at.HEADING, None]), np.sin(answers[:, at.HEADING, None])
+        east, north = answers[:, 0:3].copy(), answers[:, 3:6].copy()
+        answers[:, 0:3] = c * east + s * north
+        answers[:, 3:6] = c * north - s * east
+        without.fill(first, answers[None], accel)
+    return whole.history(0, recording), without.history(0, recording)
 
 
-def _answers(filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None) -> Array:
-    mag = recording.mag_uT
+def readings(
+    filter: AttitudeFilter, t: Array, gyro: Array, accel: Array, mag: Array | None
+) -> tuple[Array, Array, Array, Array]:
+    """t, gyro, accel and mag as kernels take them; NaN in place of a magnetometer that is not needed."""
     if mag is None:
         if filter.needs_mag:
             raise ValueError(
                 "this filter needs a magnetometer and the recording has none. "
                 'Give mag_uT, or a mode without it (mode="6").'
             )
-        mag = np.full_like(recording.gyro, np.nan)
-    answers = np.empty((len(recording), at.ANSWER))
-    t, gyro, accel, mag = (argument(x) for x in (recording.t, recording.gyro, recording.accel, mag))
-    filter.batch(filter.start(R_NS), filter.parameters(), t, gyro, accel, mag, answers)
-    return answers
+        mag = np.full_like(gyro, np.nan)
+    return argument(t), argument(gyro), argument(accel), argument(mag)
 
 
-def _history(recording: ImuRecording, answers: Array) -> AttitudeHistory:
-    flags = answers[:, at.FLAGS].astype(np.int64)
-    return AttitudeHistory(
-        recording.t,
-        _nearest_rotations(answers[:, at.R_NS : at.R_NS + 9].reshape(-1, 3, 3)),
-        gyro_bias=answers[:, at.GYRO_BIAS : at.GYRO_BIAS + 3],
-        rest=(flags & at.REST) > 0,
-        disturbed=(flags & at.DISTURBED) > 0,
-        held=(flags & at.HELD) > 0,
-        t0_ns=recording.t0_ns,
-        name=recording.name,
-    )
-
-
-def _nearest_rotations(R: Array) -> Array:
-    """The rotations nearest to matrices that a first-order step has left almost orthonormal.
-
-    Newton's iteration for the orthogonal polar factor (Higham 1986), which squares the error each time.
-    """
-    for _ in range(6):
-        gram = R @ R.transpose(0, 2, 1)
-        if np.abs(gram - np.eye(3)).max(initial=0.0) < 1e-12:
-            break
-        R = 1.5 * R - 0.5 * gram @ R
-    return R
-
-
-class Stream:
-    """A filter that is fed sample by sample; its answers equal those of `run` bit for bit."""
-
-    __slots__ = ("_filter", "_parameters", "_sample", "_state")
-
-    def __init__(self, filter: AttitudeFilter, R_NS: Array | None = None) -> None:
-        self._filter = filter
-        self._parameters = filter.parameters()
-        self._state = filter.start(R_NS)
-        self._sample = np.empty(9)
-
-    def update(
-        self, gyro: npt.ArrayLike, accel: npt.ArrayLike, mag_uT: npt.ArrayLike | None = None, *, dt: float
-    ) -> None:
-        """Take in samples (3,) of rad/s, m/s^2 and uT that end `dt` seconds after the ones before.
-
-        A NaN is a missing sample, None a magnetometer without one; dt = 0 changes nothing but a stream that has
-        not begun. Raises ValueError where time runs back or a sample does not have three numbers.
-        """
-        if not dt >= 0.0:
-            raise ValueError(f"dt must be >= 0 s; got {dt}. Time must not run back: sort the samples.")
-        sample = self._sample
-        sample[0:3] = gyro
-        sample[3:6] = accel
-        sample[6:9] = np.nan if mag_uT is None else mag_uT
-        self._filter.update(self._state, self._parameters, sample, float(dt))
-
-    @property
-    def R_NS(self) -> Array:
-        """(3, 3) attitude after the latest sample."""
-        return self._state[at.R_NS : at.R_NS + 9].reshape(3, 3).copy()
-
-    @property
-    def gyro_bias(self) -> Array:
-        """(3,) rad/s."""
-        return self._state[at.GYRO_BIAS : at.GYRO_BIAS + 3].copy()
-
-    @property
-    def heading_offset(self) -> float:
-        """What the magnetometer has turned the attitude by, about up, rad."""
-        return float(self._state[at.HEADING])
-
-    @property
-    def rest(self) -> bool:
-        """The sensor is taken to be at rest."""
-        return bool(int(self._state[at.FLAGS]) & at.REST)
-
-    @property
-    def disturbed(self) -> bool:
-        """The magnetometer is not trusted."""
-        return bool(int(self._state[at.FLAGS]) & at.DISTURBED)
-
-    @property
-    def held(self) -> bool:
-        """The gyro's sample was missing, or nothing has shown yet which way is up."""
-        return bool(int(self._state[at.FLAGS]) & at.HELD)
+def _blocks(
+    filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None
+) -> Iterator[tuple[int, Array]]:
+    """First sample and answers (m, ANSWER) of one block after the other; the next overwrites the answers."""
+    n = len(recording)
+    inputs = readings(filter, recording.t, recording.gyro, recording.accel, recording.mag_uT)
+    state, parameters = filter.start(R_NS), filter.parameters()
+    block = np.empty((min(n, _BLOCK), at.ANSWER))
+    for first in range(0, n, _BLOCK):
+        answers = block[: n - first]
+        filter.batch(state, parameters, *inputs, first, answers)
+        yield first, answers

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.data.checks import Array, as_array, choice, finite, number, read_only
+from kreisel.data.checks import Array, as_array, choice, finite, read_only, scalar
 from kreisel.data.noise import NoiseModel
 from kreisel.data.recording import ImuRecording
 from kreisel.maths.allan import Sizes, covariance_forms, overlapping_variances, terms
@@ -120,7 +120,7 @@ def allan_deviation(samples: Any, rate_hz: float, sizes: Any = None) -> tuple[Ar
     if x.ndim not in (1, 2):
         raise ValueError(f"samples must be (n,) or (n, axes); got {x.shape}.")
     finite("samples", x)
-    rate_hz = number("rate_hz", rate_hz, "Hz", 1e-9, 1e12)
+    rate_hz = scalar("rate_hz", rate_hz, "Hz", 1e-9, 1e12)
     wanted = default_sizes(len(x)) if sizes is None else np.asarray(sizes, dtype=np.int64)
     if wanted.ndim != 1 or not ((wanted >= 1) & (wanted <= len(x) // 2)).all():
         raise ValueError(f"sizes must be from 1 to half of the {len(x)} samples; got {sizes}.")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from kreisel.data.calibration import TriadCalibration
-from kreisel.data.checks import Array, number
+from kreisel.data.checks import Array, scalar
 from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.recording import ImuRecording
 from kreisel.evaluate.stillness import still_windows
@@ -70,7 +70,7 @@ def calibrate_accel(recording: ImuRecording, gravity: float = STANDARD_GRAVITY) 
     together changes no length, so the axes are those the triad has on average.
     Raises ValueError for too few poses, and names an axis that gravity never pointed along.
     """
-    gravity = number("gravity", gravity, "m/s^2", 0.1, 100.0)
+    gravity = scalar("gravity", gravity, "m/s^2", 0.1, 100.0)
     points, sigma = _poses(recording)
     _check_span("accel", points, "Lay the sensor on each of its six sides for a few seconds.")
     if len(points) < _POSES_FOR_SCALE:
@@ -103,7 +103,7 @@ def calibrate_mag(recording: ImuRecording, field_uT: float | None = None) -> Fie
         "mag", points, "Turn the sensor so that each of its axes points along the field and against it."
     )
     found = fit_ellipsoid(points)
-    strength = _strength(found) if field_uT is None else number("field_uT", field_uT, "uT", 1.0, 1000.0)
+    strength = _strength(found) if field_uT is None else scalar("field_uT", field_uT, "uT", 1.0, 1000.0)
     triad = _triad("mag", found, strength)
     assert found is not None  # or the triad had been refused
     turn, dip = _turn_to_vertical(triad.undo(points), recording.accel[seen])

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel.data.attitude import AttitudeHistory, Reference
-from kreisel.data.checks import Array, choice, unit_quaternions
+from kreisel.data.checks import Array, choice, radians, unit_quaternions
 from kreisel.data.motion import Motion, Note
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
@@ -151,7 +151,7 @@ def _attitude(found: Mapping[str, Array]) -> Array | None:
     if "quat_wxyz" in found:
         return matrix_from_quat_wxyz(unit_quaternions("quaternion", found["quat_wxyz"]))
     if "phi" in found:
-        return matrix_from_euler(found["phi"])
+        return matrix_from_euler(radians("phi", found["phi"]))
     if "orientation" in found:
         return _matlab_orientation(found["orientation"])
     return None

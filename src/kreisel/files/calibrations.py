@@ -6,9 +6,9 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+from kreisel.atomic import replacing
 from kreisel.data.calibration import Calibration, TriadCalibration
 from kreisel.data.checks import choice
-from kreisel.files.atomic import replacing
 from kreisel.files.doors import PathLike
 
 _UNITS = {"gyro": "rad/s", "accel": "m/s^2", "mag": "uT"}

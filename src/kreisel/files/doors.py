@@ -1,7 +1,7 @@
 """Turns a file name into a noun and a noun into a file: the public `read` and `write`.
 
-The format is the one named, else one without a suffix of its own whose content fits, else the one whose
-suffix and content fit, else the one whose content fits.
+The format is the one named, else one without a suffix of its own whose content fits, else the only one whose
+content fits, else the one whose suffix it is.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from pathlib import Path
 from types import ModuleType
 
 from kreisel import discovery
+from kreisel.atomic import replacing
 from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.checks import choice
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
 from kreisel.data.trial import Trial
-from kreisel.files.atomic import replacing
 from kreisel.files.formats import Content, Noun, ReadOptions
 
 FOLDER = "kreisel.files.formats"
@@ -45,14 +45,25 @@ _KIND_OF = {
 PathLike = str | os.PathLike[str]
 
 
-def format_names() -> list[str]:
-    """The formats by the names users type, without importing them."""
-    return [name.replace("_", "-") for name in discovery.names(FOLDER)]
+def format_names(holding: type[Noun] | None = None) -> list[str]:
+    """The formats by the names users type; with `holding`, those that can be written with such data in them."""
+    names = [name.replace("_", "-") for name in discovery.names(FOLDER)]
+    return names if holding is None else [name for name in names if holding in format_named(name).HOLDS]
+
+
+def writable_names() -> list[str]:
+    """The formats that can be written, by the names users type."""
+    return [name for name in format_names() if format_named(name).HOLDS]
 
 
 def format_named(name: str) -> ModuleType:
     """The format `name`; ValueError with the nearest name where there is none."""
     return discovery.load(FOLDER, choice("format", name, format_names()).replace("-", "_"))
+
+
+def suffix(name: str) -> str:
+    """What files of the format `name` end in; its own suffix where it has one."""
+    return format_named(name).SUFFIX or ".txt"
 
 
 def read(
@@ -98,7 +109,13 @@ def write(path: PathLike, data: Noun, format: str | None = None) -> None:
     if not isinstance(data, Noun):
         nouns = "Poses, Motion, ImuRecording, AttitudeHistory or Reference"
         raise TypeError(f"data must be {nouns}; got {type(data).__name__}.")
-    module = format_named(format) if format else _by_suffix(Path(path))
+    if not format:
+        module = _by_suffix(Path(path))
+    else:
+        # One that is only read has a word of its own to say.
+        module = format_named(
+            format if format in format_names() else choice("format", format, writable_names())
+        )
     if len(data) == 0:
         raise ValueError(f"nothing to write to {path}: the data has no rows.")
     with replacing(path) as out:
@@ -106,7 +123,10 @@ def write(path: PathLike, data: Noun, format: str | None = None) -> None:
 
 
 def detect(path: Path, head: bytes) -> ModuleType:
-    """The format of a file by its suffix where the content agrees, otherwise by its content."""
+    """The format of a file by its content; by its suffix where the content fits none or several.
+
+    A file of none is left to the reader of its suffix, which says what is wrong with it.
+    """
     formats = {name: format_named(name) for name in format_names()}
     owner = next((m for m in formats.values() if path.suffix.lower() == m.SUFFIX), None)
     fitting = [name for name, module in formats.items() if module.sniff(head)]
@@ -114,8 +134,6 @@ def detect(path: Path, head: bytes) -> ModuleType:
     closer = [name for name in fitting if formats[name].SUFFIX is None]
     if len(closer) == 1 or len(fitting) == 1:
         return formats[(closer or fitting)[0]]
-    if owner is not None and owner.sniff(head):
-        return owner
     if owner is not None:
         return owner
     found = f"it could be {' or '.join(fitting)}" if fitting else "its content fits none"
@@ -137,7 +155,7 @@ def _by_suffix(path: Path) -> ModuleType:
     hint = f" Did you mean {near[0]!r}?" if near else ""
     raise ValueError(
         f"cannot tell the format of {path} from its suffix.{hint} Use one of {', '.join(sorted(owners))}, "
-        f"or name it (format=..., --to ...): {', '.join(format_names())}."
+        f"or name it (format=..., --to ...): {', '.join(writable_names())}."
     )
 
 

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from kreisel.data.checks import LARGEST, number
+from kreisel.atomic import replacing
+from kreisel.data.checks import LARGEST, scalar
 from kreisel.data.noise import NoiseModel
-from kreisel.files.atomic import replacing
 
 _NUMBERS = {
     "gyroscope_noise_density": ("gyro", "white_noise", "rad/s/sqrt(Hz)", "N, angle random walk"),
@@ -48,8 +48,8 @@ def read_kalibr(path: str | Path) -> KalibrImu:
     try:
         models: dict[str, dict[str, float]] = {"gyro": {}, "accel": {}}
         for key, (sensor, quantity, unit, _) in _NUMBERS.items():
-            models[sensor][quantity] = number(key, _given(table, key), unit, 0.0)
-        rate_hz = number("update_rate", _given(table, "update_rate"), "Hz", 1e-9)
+            models[sensor][quantity] = scalar(key, _given(table, key), unit, 0.0)
+        rate_hz = scalar("update_rate", _given(table, "update_rate"), "Hz", 1e-9)
         return KalibrImu(
             NoiseModel(**models["gyro"]),
             NoiseModel(**models["accel"]),
@@ -65,7 +65,7 @@ def write_kalibr(path: str | Path, imu: KalibrImu) -> None:
 
     Raises ValueError where a density or random walk is zero: kalibr weighs measurements by them.
     """
-    number("rate_hz", imu.rate_hz, "Hz", 1e-9, LARGEST)
+    scalar("rate_hz", imu.rate_hz, "Hz", 1e-9, LARGEST)
     lines = ["# kreisel: continuous-time noise, SI units, the noisiest axis of each sensor"]
     for key, (sensor, quantity, unit, meaning) in _NUMBERS.items():
         value = float(np.max(getattr(getattr(imu, sensor), quantity)))

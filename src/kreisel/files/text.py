@@ -16,6 +16,7 @@ from kreisel.data.checks import Array
 from kreisel.files.stamps import Fields, clock
 
 CONTROL = bytes({*range(32), 127} - {*b"\t\n\v\f\r"})
+_NEIGHBOURS = 100  # lines by which the last one is judged
 STAMP_WIDTH = 48  # bytes; float64 in full takes 25, nanosecond epochs 20
 
 
@@ -55,14 +56,23 @@ def read_text(path: Path) -> TextFile:
     if not rows:
         raise ValueError(f"{path} has no rows: every line is blank or a comment.")
     file = TextFile(path, lines, rows, comments_above(lines))
-    # The first row may be a header, as short as its names.
-    if lines[-1] and len(rows) > 2 and len(rows[-1]) < min(map(len, rows[1:-1][-100:])):
+    # The first row may be a header.
+    if lines[-1] and len(rows) > 2 and _ends_early(rows[-1], rows[1:-1][-_NEIGHBOURS:]):
         warnings.warn(
-            f"{path}, line {len(lines)}: the last line has no line end and is shorter than those above; "
-            "the file may have been cut off. Compare its size with the original's.",
+            f"{path}, line {len(lines)}: the last line has no line end, and its last number fewer digits than is usual "
+            "in its column; the file may have been cut off there. Compare its size with the original's.",
             stacklevel=2,
         )
     return file
+
+
+def _ends_early(last: str, above: Sequence[str]) -> bool:
+    """Whether the last number of a line has fewer digits than half of those above it have."""
+    return _last_digits(last) < sorted(map(_last_digits, above))[len(above) // 2]
+
+
+def _last_digits(row: str) -> int:
+    return sum(map(str.isdigit, re.split(r"[,;\s]", row.rstrip())[-1]))
 
 
 def comments_above(lines: Iterable[str]) -> list[str]:
@@ -105,6 +115,13 @@ def first_rows(head: bytes) -> tuple[list[str], list[str]]:
     return comments_above(whole), [line for line in whole if is_data(line)]
 
 
+def starts_with_numbers(head: bytes, count: int) -> bool:
+    """Whether the first row of a file is `count` numbers between blanks."""
+    _, rows = first_rows(head)
+    fields = rows[0].split() if rows else []
+    return len(fields) == count and all(map(is_number, fields))
+
+
 def starts_with_nanoseconds(comments: Sequence[str], rows: Sequence[str], widths: Sequence[int]) -> bool:
     """Whether rows look like EuRoC's: one of `widths` numbers between commas, the first an integer stamp."""
     fields = [field.strip() for field in rows[0].split(",")] if rows else []
@@ -116,12 +133,12 @@ def starts_with_nanoseconds(comments: Sequence[str], rows: Sequence[str], widths
 
 
 def is_number(field: str) -> bool:
-    """Whether a field reads as a float."""
+    """Whether a field reads as a float, in the digits 0 to 9."""
     try:
         float(field)
     except ValueError:
         return False
-    return True
+    return field.isascii()
 
 
 def load(
@@ -152,6 +169,24 @@ def load(
     return _stamps(file, np.ascontiguousarray(table["stamp"]), names[stamp]), np.ascontiguousarray(
         table["values"]
     )
+
+
+def load_timed(
+    file: TextFile,
+    delimiter: str | None,
+    names: Sequence[str],
+    use: Sequence[int],
+    digits: int,
+    nan_ok: bool = False,
+) -> tuple[Array, int, Array]:
+    """(t, t0_ns, values): the stamps in the first column and the numbers in columns `use`, all checked.
+
+    digits : of the stamps' unit down to nanoseconds, as `clock` takes them. nan_ok : NaN is a missing sample.
+    """
+    stamps, values = load(file, delimiter, names, 0, use)
+    assert stamps is not None  # the column asked for
+    t, t0_ns = checked_clock(file, stamps, digits, names[0])
+    return t, t0_ns, checked_finite(file, values, [names[k] for k in use], nan_ok)
 
 
 def _has_gaps(text: str, delimiter: str) -> bool:
@@ -192,8 +227,11 @@ def split_row(row: str, delimiter: str | None) -> list[str]:
 
 
 def _stamps(file: TextFile, stamps: Fields, column: str) -> Fields:
-    if stamps.view(np.uint8).reshape(len(stamps), -1)[:, -1].any():
-        raise file.error(0, f"a time stamp is longer than {STAMP_WIDTH} characters.", column)
+    full = stamps.view(np.uint8).reshape(len(stamps), -1)[:, -1] != 0
+    if full.any():
+        k = int(np.argmax(full))
+        what = f"the time stamp has {STAMP_WIDTH} characters or more. Write it with fewer decimals."
+        raise file.error(k, what, column)
     stripped = np.char.strip(stamps) if (stamps.view(np.uint8) == ord(" ")).any() else stamps
     try:
         values = stripped.astype(np.float64)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -22,18 +23,23 @@ DEGREE, DEGREE_FAST, FAST_HZ = 9, 7, 500.0
 # pi^2 / sqrt(5) = 4.4 for the ideal interpolator, 10.5 measured for white noise at degree 9.
 SECOND_DERIVATIVE_GAIN = 10.5
 
+# A direction is unknown where the derivative is less than this many times its error: 3 degrees.
+UNKNOWN = 20.0
+
+# After a step of velocity a spline rings by less than this share of it, for this many samples (0.61^20 = 5e-5
+# at degree 9); samples whose noise is too small to be smoothed stay under this share of the largest speed.
+_RINGS, _MEMORY, _AT_MOST = 0.3, 20, 1e-3
+
+# The two degrees differ by 0.01 of a step of velocity, and by 1e-5 of a smooth one at 20 samples a period.
+_CORNER = 2e-3
+
 
 class Signal(Protocol):
     """A function of time that knows its derivatives."""
 
     @property
-    def rate_sigma(self) -> Array:
-        """(c,) standard deviation of the noise in the first derivative, per second; 0 for none."""
-        ...
-
-    @property
-    def response(self) -> float:
-        """Time over which samples were averaged, s; 0 where none were."""
+    def floor(self) -> Array:
+        """(n,) size of the first derivative at the samples, per second, under which its direction is noise."""
         ...
 
     def __call__(self, t: Array, order: int) -> Array:
@@ -43,11 +49,9 @@ class Signal(Protocol):
 
 def interpolating_spline(t: Array, x: Array) -> Signal:
     """Spline through samples `x` (n, c) at `t` (n,) s; of lower degree where there are few samples."""
-    from scipy.interpolate import make_interp_spline
-
     degree = DEGREE_FAST if 1.0 / np.median(np.diff(t)) > FAST_HZ else DEGREE
     most = len(t) - 1 - len(t) % 2
-    return SplineSignal(make_interp_spline(t, x, k=max(1, min(degree, most)), check_finite=False))
+    return Interpolation(t, x, max(1, min(degree, most)))
 
 
 class SplineSignal:
@@ -57,11 +61,8 @@ class SplineSignal:
     evaluation each, and these are half the cost of a motion.
     """
 
-    response = 0.0
-
     def __init__(self, spline: BSpline) -> None:
         self._spline = spline
-        self.rate_sigma: Array = np.zeros(spline.c.shape[1])
 
     def __call__(self, t: Array, order: int) -> Array:
         spline = self._spline
@@ -72,6 +73,48 @@ class SplineSignal:
         out = np.empty((order + 1, len(t), spline.c.shape[1]))
         _evaluate(argument(spline.t), spline.k, coefficients, argument(t), out)
         return out
+
+
+class Interpolation(SplineSignal):
+    """The spline of a degree through samples `x` (n, c) at `t` (n,) s, which knows where it is not to be trusted."""
+
+    def __init__(self, t: Array, x: Array, degree: int) -> None:
+        from scipy.interpolate import make_interp_spline
+
+        super().__init__(make_interp_spline(t, x, k=degree, check_finite=False))
+        self._t, self._x, self._degree = t, x, degree
+
+    @cached_property
+    def ringing(self) -> Array:
+        """(n,) how far off the first derivative may be around each sample, per second: by as much as that of
+        another degree differs."""
+        from scipy.ndimage import maximum_filter1d
+
+        other = Interpolation(self._t, self._x, max(self._degree - 2, 1))
+        middle = 0.5 * (self._t[:-1] + self._t[1:])
+        at, between = (np.linalg.norm(self(t, 1)[1] - other(t, 1)[1], axis=1) for t in (self._t, middle))
+        at[:-1] = np.maximum(at[:-1], between)
+        # Both ring with alternating sign, and cross each other now and then.
+        return np.asarray(maximum_filter1d(at, 7))
+
+    @property
+    def corners(self) -> Array:
+        """Times (m,) s around which this rings for a step in the first derivative of the samples."""
+        size = np.linalg.norm(self(self._t, 1)[1], axis=1)
+        loud = np.concatenate([[False], self.ringing > _CORNER * size.max(), [False]])
+        edges = np.flatnonzero(np.diff(loud.astype(np.int8)))
+        return np.asarray(0.5 * (self._t[edges[::2]] + self._t[edges[1::2] - 1]))
+
+    @cached_property
+    def floor(self) -> Array:
+        """As `Signal` has it."""
+        from scipy.ndimage import maximum_filter1d
+
+        size = np.linalg.norm(self(self._t, 1)[1], axis=1)
+        # Coarse samples of a path without any rest must not count as ringing from end to end.
+        most = np.maximum(_RINGS * maximum_filter1d(size, 2 * _MEMORY + 1), _AT_MOST * size.max())
+        round_off = 1e-13 * np.abs(self._x).max() / np.diff(self._t).min()
+        return np.asarray(np.minimum(UNKNOWN * self.ringing, most) + round_off)
 
 
 @kernel

@@ -1,13 +1,19 @@
 """Turns plain Python functions into compiled kernels, and holds the SO(3) primitives they share.
 
 The one place that names numba. The policy: cached on disk, no fast-math (streaming and batch stay
-bit-identical, NaN keeps its meaning), IEEE division, no Python exceptions, GIL released.
+bit-identical, NaN keeps its meaning), IEEE division, no Python exceptions, GIL released. Where the usual folders
+for the cache cannot be written, it goes to one for temporary files.
 """
 
 from __future__ import annotations
 
+import os
+import stat
+import tempfile
+import warnings
 from collections.abc import Callable
-from typing import TypeVar, cast
+from pathlib import Path
+from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
@@ -15,12 +21,57 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 
+_CONFIG: Any = numba.config
+
 _F = TypeVar("_F", bound=Callable[..., object])
 
 
 def kernel(function: _F) -> _F:
     """Compile `function` at its first call; the machine code is cached on disk."""
-    return cast(_F, numba.njit(cache=True, fastmath=False, nogil=True, error_model="numpy")(function))
+    return _compiled(function)
+
+
+def _compiled(function: _F, **options: Any) -> _F:
+    def compiled(cache: bool) -> _F:
+        policy = numba.njit(cache=cache, fastmath=False, nogil=True, error_model="numpy", **options)
+        return cast(_F, policy(function))
+
+    try:
+        return compiled(cache=True)
+    except RuntimeError as error:
+        # Neither the package's own folder nor the user's cache can be written: numba refuses at once.
+        if "locator" not in str(error):
+            raise
+    _cache_elsewhere()
+    return compiled(cache=bool(_CONFIG.CACHE_DIR))
+
+
+def _cache_elsewhere() -> None:
+    """Have numba cache in a folder for temporary files, or say once that nothing is cached."""
+    try:
+        folder = Path(tempfile.gettempdir()) / f"kreisel-numba-{_user()}"
+        folder.mkdir(mode=0o700, exist_ok=True)
+        usable = os.access(folder, os.W_OK) and (os.name != "posix" or _mine_alone(folder))
+    except OSError:
+        usable = False
+    # Loading a cache runs what is in it: a folder that somebody else may write to is not used.
+    if usable:
+        _CONFIG.CACHE_DIR = str(folder)
+        return
+    warnings.warn(
+        "compiled code cannot be cached, so that every start takes seconds longer: set NUMBA_CACHE_DIR to a folder "
+        "that can be written.",
+        stacklevel=2,
+    )
+
+
+def _mine_alone(folder: Path) -> bool:
+    there = folder.lstat()
+    return stat.S_ISDIR(there.st_mode) and there.st_uid == os.geteuid() and not there.st_mode & 0o022
+
+
+def _user() -> str:
+    return str(os.geteuid()) if os.name == "posix" else "user"
 
 
 def argument(x: npt.ArrayLike) -> Array:
@@ -39,5 +90,4 @@ def inlined(function: _F) -> _F:
     Left to itself it keeps many of them as calls, each dearer than the sums inside; pass numbers and tuples of
     numbers rather than arrays, whose reference counts cost more still (a filter step of 60 ns took 260).
     """
-    compiled = numba.njit(cache=True, fastmath=False, nogil=True, error_model="numpy", forceinline=True)
-    return cast(_F, compiled(function))
+    return _compiled(function, forceinline=True)

@@ -5,6 +5,8 @@ Equation numbers are those of document 000. Everything rotational is in body axe
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import numpy.typing as npt
 
@@ -42,10 +44,15 @@ def euler_motion(phi: Array, dphi: Array, ddphi: Array) -> tuple[Array, Array, A
     phi, dphi, ddphi: (n, 3) rad, rad/s, rad/s^2, order x, y, z. Equals eq. (7) and (8) taken in B axes;
     written out because R^T dR/dt for z-y-x angles has three terms a component.
     """
-    R = np.empty((len(phi), 3, 3))
-    omega, alpha = np.empty((len(phi), 3)), np.empty((len(phi), 3))
-    _euler_motion(argument(phi), argument(dphi), argument(ddphi), R, omega, alpha)
-    return R, omega, alpha
+    return _filled(_euler_motion, phi, dphi, ddphi)
+
+
+def _filled(fill: Callable[..., None], x: Array, dx: Array, ddx: Array) -> tuple[Array, Array, Array]:
+    """What a kernel makes of an attitude and its derivatives: R_NB, omega_NB_B and alpha_NB_B."""
+    n = len(x)
+    out = np.empty((n, 3, 3)), np.empty((n, 3)), np.empty((n, 3))
+    fill(argument(x), argument(dx), argument(ddx), *out)
+    return out
 
 
 @kernel
@@ -74,10 +81,7 @@ def quaternion_motion(q: Array, dq: Array, ddq: Array) -> tuple[Array, Array, Ar
     alpha = 2 (vec(q^-1 ddq) - 2 s v) hold for the normalised quaternion whatever the length does, so a
     spline through quaternions serves without being pulled back to the sphere.
     """
-    R = np.empty((len(q), 3, 3))
-    omega, alpha = np.empty((len(q), 3)), np.empty((len(q), 3))
-    _quaternion_motion(argument(q), argument(dq), argument(ddq), R, omega, alpha)
-    return R, omega, alpha
+    return _filled(_quaternion_motion, q, dq, ddq)
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Turns white numbers into first-order Gauss-Markov processes, discretised exactly, one or many at a time."""
+"""Turns white numbers into first-order Gauss-Markov processes, discretised exactly."""
 
 from __future__ import annotations
 
@@ -13,49 +13,48 @@ SAME_STEP = 1e-9
 """Steps that differ by less, relatively, use the same decay: stamps of an even clock differ by round-off."""
 
 
-def markov_state(processes: int) -> Array:
-    """State of that many processes on three axes, before the first sample."""
-    return np.zeros(1 + 9 * processes)
+def markov_state() -> Array:
+    """State of a process on three axes before the first sample."""
+    return np.zeros(10)
 
 
-def markov_sum(state: Array, sigma: Array, rate: Array, dt: Array, first: int, white: Array) -> Array:
-    """Sum (n, 3) of m stationary processes at n samples; `state`, of `markov_state(m)`, is carried on.
+def add_markov(
+    block: Array, state: Array, sigma: Array, rate: Array, dt: Array, first: int, white: Array
+) -> Array:
+    """`block` (n, 3) plus a stationary process; `state`, begun by `markov_state()`, is carried on.
 
-    sigma: (m, 3) standard deviations; rate: (m, 3) 1/s, inverse time constants; dt: (n,) s, since the sample before;
+    sigma: (3,) standard deviation; rate: (3,) 1/s, inverse time constant; dt: (n,) s, since the sample before;
     first: number of the first sample: number 0 is drawn from the stationary distribution, sigma * white;
-    white: (n, 3 m) standard normal numbers, process by process.
+    white: (n, 3) standard normal numbers, in whose place the result is written.
     x_k = exp(-rate dt) x_(k-1) + sigma sqrt(1 - exp(-2 rate dt)) white_k: exact for any dt.
     """
-    out = np.empty((len(dt), 3))
-    _markov_sum(
-        state, argument(sigma.reshape(-1)), argument(rate.reshape(-1)), argument(dt), first, white, out
-    )
-    return out
+    _add_markov(argument(block), state, argument(sigma), argument(rate), argument(dt), first, white)
+    return white
 
 
 @kernel
-def _markov_sum(
-    state: Array, sigma: Array, rate: Array, dt: Array, first: int, white: Array, out: Array
+def _add_markov(
+    block: Array, state: Array, sigma: Array, rate: Array, dt: Array, first: int, out: Array
 ) -> None:
-    m = sigma.shape[0]
-    decay, kick, x = state[1 : 1 + m], state[1 + m : 1 + 2 * m], state[1 + 2 * m :]
-    for k in range(dt.shape[0]):
-        if abs(dt[k] - state[0]) > SAME_STEP * dt[k]:
-            state[0] = dt[k]
-            for i in range(m):
-                decay[i] = np.exp(-rate[i] * dt[k])
-                kick[i] = sigma[i] * np.sqrt(-np.expm1(-2.0 * rate[i] * dt[k]))
-        if first + k == 0:
-            for i in range(m):
-                x[i] = sigma[i] * white[0, i]
-        else:
-            for i in range(m):
-                x[i] = decay[i] * x[i] + kick[i] * white[k, i]
+    begin = 0
+    if first == 0:
+        begin = 1
+        state[0] = 0.0
         for a in range(3):
-            total = 0.0
-            for i in range(a, m, 3):
-                total += x[i]
-            out[k, a] = total
+            state[7 + a] = sigma[a] * out[0, a]
+            out[0, a] = block[0, a] + state[7 + a]
+    # In local variables, since the compiler cannot know that `out` and `state` do not overlap.
+    step, d0, d1, d2, k0, k1, k2, x, y, z = state
+    for k in range(begin, dt.shape[0]):
+        if abs(dt[k] - step) > SAME_STEP * dt[k]:
+            step = dt[k]
+            d0, d1, d2 = np.exp(-rate[0] * step), np.exp(-rate[1] * step), np.exp(-rate[2] * step)
+            k0 = sigma[0] * np.sqrt(-np.expm1(-2.0 * rate[0] * step))
+            k1 = sigma[1] * np.sqrt(-np.expm1(-2.0 * rate[1] * step))
+            k2 = sigma[2] * np.sqrt(-np.expm1(-2.0 * rate[2] * step))
+        x, y, z = d0 * x + k0 * out[k, 0], d1 * y + k1 * out[k, 1], d2 * z + k2 * out[k, 2]
+        out[k, 0], out[k, 1], out[k, 2] = block[k, 0] + x, block[k, 1] + y, block[k, 2] + z
+    state[:] = np.array([step, d0, d1, d2, k0, k1, k2, x, y, z])
 
 
 def markov_allan_deviation(sigma: Array, rate: Array, tau: Array) -> Array:

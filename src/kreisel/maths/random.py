@@ -105,14 +105,14 @@ def philox(words: Words, pair: np.uint64, channel: np.uint64, a: Words, b: Words
     k0, k1, high = words[0] & LOW_WORD, words[1] & LOW_WORD, words[2]
     for k in range(a.shape[0]):
         index = pair + np.uint64(k)
-        w0, w1, w2, w3 = index & LOW_WORD, index >> WORD, channel & LOW_WORD, high
+        w0, w1, w2, w3 = index, index >> WORD, channel, high
         x, y = k0, k1
         for _ in range(10):
-            # The masks tell the compiler that both factors have 32 bits, for which there is a SIMD product.
+            # Upper halves are left to fill with rubbish: the SIMD product of 32-bit factors does not look at them.
             p, q = MULTIPLIER_0 * (w0 & LOW_WORD), MULTIPLIER_1 * (w2 & LOW_WORD)
-            w0, w1, w2, w3 = (q >> WORD) ^ w1 ^ x, q & LOW_WORD, (p >> WORD) ^ w3 ^ y, p & LOW_WORD
+            w0, w1, w2, w3 = (q >> WORD) ^ w1 ^ x, q, (p >> WORD) ^ w3 ^ y, p
             x, y = (x + KEY_STEP_0) & LOW_WORD, (y + KEY_STEP_1) & LOW_WORD
-        a[k], b[k] = (w0 << WORD) | w1, (w2 << WORD) | w3
+        a[k], b[k] = (w0 << WORD) | (w1 & LOW_WORD), (w2 << WORD) | (w3 & LOW_WORD)
 
 
 @kernel
@@ -166,9 +166,9 @@ def _normals(words: Words, channel: int, out: Array) -> None:
     radius, cosine, sine = np.empty(PAIRS), np.empty(PAIRS), np.empty(PAIRS)
     pair, skipped = words[3] // TWO, np.int64(words[3] % TWO)
     pairs = (out.shape[0] + skipped + 1) // 2
-    for c in range(out.shape[1]):
-        for start in range(0, pairs, PAIRS):
-            n = min(PAIRS, pairs - start)
+    for start in range(0, pairs, PAIRS):
+        n = min(PAIRS, pairs - start)
+        for c in range(out.shape[1]):
             philox(words, pair + np.uint64(start), np.uint64(channel + c), a[:n], b[:n])
             _radius(a[:n], scratch[:n], radius[:n])
             _turn(b[:n], radius[:n], cosine[:n], sine[:n])
@@ -181,9 +181,9 @@ def _uniforms(words: Words, channel: int, out: Array) -> None:
     even, odd = np.empty(PAIRS), np.empty(PAIRS)
     pair, skipped = words[3] // TWO, np.int64(words[3] % TWO)
     pairs = (out.shape[0] + skipped + 1) // 2
-    for c in range(out.shape[1]):
-        for start in range(0, pairs, PAIRS):
-            n = min(PAIRS, pairs - start)
+    for start in range(0, pairs, PAIRS):
+        n = min(PAIRS, pairs - start)
+        for c in range(out.shape[1]):
             philox(words, pair + np.uint64(start), np.uint64(channel + c), a[:n], b[:n])
             for k in range(n):
                 even[k], odd[k] = np.float64(a[k] >> SPARE) * SPACING, np.float64(b[k] >> SPARE) * SPACING

@@ -18,9 +18,11 @@ from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.optimize import minimize, minimize_scalar
 from scipy.sparse import csr_array, diags_array, eye_array
 
-from kreisel.maths.derivatives import SplineSignal
+from kreisel.maths.derivatives import UNKNOWN, SplineSignal
+from kreisel.maths.kernels import argument, kernel
 
 Array = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.integer]
 
 ORDER = 5
 """The penalty is on this derivative. An accelerometer sees the second one and, with a lever arm, the second
@@ -45,8 +47,12 @@ class SmoothSignal:
 
     splines: tuple[SplineSignal, ...]
     sigma: Array  # (c,) standard deviation of the noise taken out, in the unit of the samples
-    rate_sigma: Array  # (c,) standard deviation of what noise is left in the first derivative, per second
-    response: float  # s, over which the signal is averaged; that close to an end it is far less certain
+    rate_sigma: Array  # (n,) length of the standard deviation of what noise is left in dx/dt at each sample
+
+    @property
+    def floor(self) -> Array:
+        """As `Signal` has it."""
+        return UNKNOWN * self.rate_sigma
 
     def __call__(self, t: Array, order: int) -> Array:
         """(order + 1, n, c): value and derivatives at increasing times t (n,)."""
@@ -61,16 +67,13 @@ def smoothing_spline(t: Array, x: Array, *, rate: Array | None = None, shared: b
     """
     groups = [slice(None)] if shared else [slice(c, c + 1) for c in range(x.shape[1])]
     fits = [_fit(t, x[:, g], None if rate is None else rate[:, g]) for g in groups]
-    splines, sigma, rate_sigma, responses = zip(*fits, strict=True)
-    # A column that does not move is averaged over everything; the least certain one is the one that counts.
-    response = responses[int(np.argmax([np.max(s) for s in rate_sigma]))]
-    return SmoothSignal(
-        tuple(SplineSignal(s) for s in splines), np.concatenate(sigma), np.concatenate(rate_sigma), response
-    )
+    splines, sigma, variances = zip(*fits, strict=True)
+    rate_sigma = np.sqrt(np.sum(variances, axis=0))
+    return SmoothSignal(tuple(SplineSignal(s) for s in splines), np.concatenate(sigma), rate_sigma)
 
 
-def _fit(t: Array, x: Array, rate: Array | None) -> tuple[BSpline, Array, Array, float]:
-    """The spline behind all samples, its columns' noise, what of it the derivative keeps, and the response."""
+def _fit(t: Array, x: Array, rate: Array | None) -> tuple[BSpline, Array, Array]:
+    """The spline behind all samples, its columns' noise, and the variance (n,) of its derivative's, summed up."""
     centre = x.mean(axis=0)
     spacing = float(np.median(np.diff(t)))
     while True:
@@ -80,13 +83,9 @@ def _fit(t: Array, x: Array, rate: Array | None) -> tuple[BSpline, Array, Array,
         spacing *= 2.0
     system = _System(t, x - centre, rate, spacing)
     solution = system.solve(10.0**log_penalty, 10.0**log_weight)
-    # Such a fit is a low-pass 1 / (1 + (w / cutoff)^(2 ORDER)) (Silverman 1984); white noise through it and
-    # one differentiation has the variance sigma^2 dt cutoff^3 / (3 pi).
-    cutoff = 10.0 ** (-log_penalty / (2 * ORDER)) / spacing
-    step = (t[-1] - t[0]) / (len(t) - 1)
-    rate_sigma = solution.sigma * np.sqrt(step * cutoff**3 / (3.0 * np.pi))
+    variance = system.rate_variance(t, 10.0**log_penalty, 10.0**log_weight) * np.sum(solution.sigma**2)
     spline = BSpline(system.knots, solution.coefficients + centre, DEGREE)
-    return spline, solution.sigma, rate_sigma, 2.0 * np.pi / cutoff
+    return spline, solution.sigma, variance
 
 
 def _most_likely(t: Array, x: Array, rate: Array | None, spacing: float) -> tuple[float, float]:
@@ -134,7 +133,7 @@ class _System:
         pieces = max(int(np.ceil((t[-1] - t[0]) / spacing)), 1)
         # One rounding unit longer, so that the last sample is inside the last piece.
         step = (t[-1] - t[0]) / pieces * (1.0 + 1e-12)
-        self.x, self.rate = x, rate
+        self.x, self.rate, self.step = x, rate, step
         self.knots: Array = t[0] + step * np.arange(-DEGREE, pieces + DEGREE + 1)
         self.values = BSpline.design_matrix(t, self.knots, DEGREE)
         self.gram = _banded(self.values.T @ self.values)
@@ -142,8 +141,7 @@ class _System:
         self.differences = _difference(self.size, ORDER)
         self.penalty = _banded(self.differences.T @ self.differences)
         if rate is not None:
-            lower = BSpline.design_matrix(t, self.knots[1:-1], DEGREE - 1)
-            self.rates = csr_array(lower @ _difference(self.size, 1) / step)
+            self.rates = self._rates(t)
             self.rate_gram = _banded(self.rates.T @ self.rates)
             self.rate_moments: Array = self.rates.T @ rate
 
@@ -151,12 +149,31 @@ class _System:
     def size(self) -> int:
         return len(self.knots) - DEGREE - 1
 
+    def _rates(self, t: Array) -> csr_array:
+        """Matrix (n, size) from coefficients to derivatives at times t."""
+        lower = BSpline.design_matrix(t, self.knots[1:-1], DEGREE - 1)
+        return csr_array(lower @ _difference(self.size, 1) / self.step)
+
+    def _factor(self, penalty: float, weight: float) -> Array:
+        """Banded Cholesky factor of the normal equations."""
+        matrix = self.gram + penalty * self.penalty
+        if self.rate is not None:
+            matrix = matrix + weight * self.rate_gram
+        return np.asarray(cholesky_banded(matrix, lower=True, check_finite=False))
+
+    def rate_variance(self, t: Array, penalty: float, weight: float) -> Array:
+        """Posterior variance (n,) of dx/dt at times t for noise of variance 1 (Wahba 1983)."""
+        rates, out = self._rates(t), np.empty(len(t))
+        band = np.zeros((DEGREE + 1, self.size))
+        _inverse_band(argument(self._factor(penalty, weight)), band)
+        _quadratic_forms(rates.indptr, rates.indices, rates.data, band, out)
+        return np.maximum(out, 0.0)
+
     def solve(self, penalty: float, weight: float) -> _Solution:
         """Best spline for a penalty and a weight of squared residuals of rates against those of values."""
-        matrix, moments = self.gram + penalty * self.penalty, self.moments
+        factor, moments = self._factor(penalty, weight), self.moments
         if self.rate is not None:
-            matrix, moments = matrix + weight * self.rate_gram, moments + weight * self.rate_moments
-        factor = cholesky_banded(matrix, lower=True, check_finite=False)
+            moments = moments + weight * self.rate_moments
         c = cho_solve_banded((factor, True), moments, check_finite=False)
         squares = np.square(self.x - self.values @ c).sum(axis=0)
         n, columns = self.x.shape
@@ -188,3 +205,32 @@ def _banded(symmetric: csr_array) -> Array:
     for k in range(min(DEGREE + 1, size)):
         band[k, : size - k] = symmetric.diagonal(-k)
     return band
+
+
+@kernel
+def _inverse_band(factor: Array, out: Array) -> None:
+    """Band of the inverse of L L^T from that of L, from the last column back (Takahashi 1973)."""
+    width, size = factor.shape
+    for i in range(size - 1, -1, -1):
+        reach = min(width - 1, size - 1 - i)
+        for k in range(reach, 0, -1):
+            total = 0.0
+            for m in range(1, reach + 1):
+                total += factor[m, i] * out[abs(m - k), i + min(m, k)]
+            out[k, i] = -total / factor[0, i]
+        total = 1.0 / factor[0, i]
+        for m in range(1, reach + 1):
+            total -= factor[m, i] * out[m, i]
+        out[0, i] = total / factor[0, i]
+
+
+@kernel
+def _quadratic_forms(starts: Integers, columns: Integers, values: Array, band: Array, out: Array) -> None:
+    """r^T Z r for every row r of a sparse matrix in compressed rows, Z symmetric and banded."""
+    for row in range(out.shape[0]):
+        total = 0.0
+        for p in range(starts[row], starts[row + 1]):
+            for q in range(starts[row], starts[row + 1]):
+                i, j = columns[p], columns[q]
+                total += values[p] * values[q] * band[abs(i - j), min(i, j)]
+        out[row] = total

@@ -38,18 +38,19 @@ def animate(
     body moves at `speed` all the same.
 
     The file appears under its name only when it is complete. Raises ValueError for a suffix other than .gif,
-    a motion without samples, fps or speed that are not positive, and more than 1200 frames.
+    a motion without samples, fps or speed that are not positive, and more than 1200 frames; OSError for a place
+    that cannot be written.
     """
     from kreisel.show.film import COLOURS, Film
     from kreisel.show.gif import shared_palette, write_gif
-    from kreisel.show.saving import complete_or_absent, writable
+    from kreisel.show.saving import drawn_whole, writable
 
     target = writable(path, (".gif",))
     rows, delay_cs = film_rows(motion, fps, speed)
     film = Film(motion, mounts, recording)
     samples = [film.picture(row) for row in rows[np.linspace(0, len(rows) - 1, 8).astype(int)]]
-    with complete_or_absent(target) as unfinished:
-        write_gif(unfinished, (film.picture(row) for row in rows), shared_palette(samples, COLOURS), delay_cs)
+    with drawn_whole(target) as drawing:
+        write_gif(drawing, (film.picture(row) for row in rows), shared_palette(samples, COLOURS), delay_cs)
     return target
 
 

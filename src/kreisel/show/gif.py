@@ -7,9 +7,8 @@ Pixels that did not change are written as transparent.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import numpy.typing as npt
@@ -22,7 +21,7 @@ _COLOURS = 255
 _UNCHANGED = 255  # the index after the last colour
 
 
-def write_gif(path: str | os.PathLike[str], frames: Iterable[Bytes], palette: Bytes, delay_cs: int) -> None:
+def write_gif(out: BinaryIO, frames: Iterable[Bytes], palette: Bytes, delay_cs: int) -> None:
     """Write `frames`, each (height, width, 3), shown for `delay_cs` hundredths of a second, over and over."""
     from PIL import Image
 
@@ -37,7 +36,7 @@ def write_gif(path: str | os.PathLike[str], frames: Iterable[Bytes], palette: By
 
     stream = pictures()
     next(stream).save(
-        path,
+        out,
         format="GIF",
         save_all=True,
         append_images=stream,

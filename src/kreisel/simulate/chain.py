@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from kreisel.data.checks import Array
 from kreisel.maths.random import Stream
@@ -18,22 +17,10 @@ BLOCK = 4096
 
 
 class Sensed(NamedTuple):
-    """What one sensor reads, and why."""
+    """What one sensor reads, and its bias."""
 
     reading: Array  # (n, 3)
-    errors: dict[str, Array]  # name of the effect -> (n, 3) what it added
-    bias: Array  # (n, 3) sum of the errors that are biases
-
-    def spread(self, rows: npt.NDArray[np.int64], n: int) -> Sensed:
-        """The same with n rows: these at `rows`, NaN in between."""
-        errors = {name: _spread(added, rows, n) for name, added in self.errors.items()}
-        return Sensed(_spread(self.reading, rows, n), errors, _spread(self.bias, rows, n))
-
-
-def _spread(x: Array, rows: npt.NDArray[np.int64], n: int) -> Array:
-    out = np.full((n, 3), np.nan)
-    out[rows] = x
-    return out
+    bias: Array  # (n, 3) sum of what the effects that are biases added
 
 
 def sense(
@@ -41,22 +28,32 @@ def sense(
     ideal: Array,
     contexts: Iterable[Context],
     stream_of: Callable[[str], Stream],
+    errors: Mapping[str, Array] | None = None,
 ) -> Sensed:
-    """Send `ideal` (n, 3) through `effects`, block by block; `contexts` are those of all blocks, in order."""
-    sensed = Sensed(
-        np.empty_like(ideal), {e.name: np.zeros_like(ideal) for e in effects}, np.zeros_like(ideal)
-    )
+    """Send `ideal` (n, 3) through `effects`, block by block; `contexts` are those of all blocks, in order.
+
+    errors: name of the effect -> array (n, 3) that takes what it added; of effects not in it nothing is kept.
+    """
+    kept = errors or {}
+    sensed = Sensed(np.empty_like(ideal), np.zeros_like(ideal))
     acting = [(effect, stream_of(effect.name)) for effect in effects if not effect.idle]
     states: list[Array] = []
     for context in contexts:
         states = states or [effect.start(context, stream) for effect, stream in acting]
         rows = slice(context.first, context.first + len(context.t))
-        block = ideal[rows]
-        for (effect, stream), state in zip(acting, states, strict=True):
-            after = effect.apply(state, block, context, stream)
-            added = np.subtract(after, block, out=sensed.errors[effect.name][rows])
-            if effect.is_bias:
-                sensed.bias[rows] += added
+        block = unbiased = ideal[rows]
+        for k, (effect, stream) in enumerate(acting):
+            after = effect.apply(states[k], block, context, stream)
+            if effect.name in kept:
+                np.subtract(after, block, out=kept[effect.name][rows])
+            unbiased = unbiased if effect.is_bias else after
+            if effect.is_bias and not _bias_follows(acting, k):
+                sensed.bias[rows] += after - unbiased
             block = after
         sensed.reading[rows] = block
     return sensed
+
+
+def _bias_follows(acting: Sequence[tuple[Effect, Stream]], k: int) -> bool:
+    """Whether the next effect is a bias too: those that follow each other are taken together."""
+    return k + 1 < len(acting) and acting[k + 1][0].is_bias

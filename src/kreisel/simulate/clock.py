@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.data.checks import Array, number
+from kreisel.data.checks import Array, read_only, scalar
 from kreisel.maths.random import Stream
 from kreisel.maths.window import mean_over_window
 
@@ -37,7 +37,7 @@ class Sampling:
         if not self.rate > 0.0:
             raise ValueError(f"rate must be positive, Hz; got {self.rate!r}.")
         for name in ("latency", "window"):
-            object.__setattr__(self, name, number(name, getattr(self, name), "s", 0.0))
+            object.__setattr__(self, name, scalar(name, getattr(self, name), "s", 0.0))
 
     def rows(self, t: Array) -> Rows:
         """Rows of times t (n,) s at which there is a sample: the first after every period begins."""
@@ -81,7 +81,7 @@ class Clock:
             ("jitter", "s", 0.0),
             ("loss", "probability", 0.0, 1.0),
         ):
-            object.__setattr__(self, name, number(name, getattr(self, name), unit, *bounds))
+            object.__setattr__(self, name, scalar(name, getattr(self, name), unit, *bounds))
 
     def stamps(self, t: Array, stream: Stream) -> Array:
         """Stamps (n,) s, strictly increasing, of samples taken at true times t (n,) s."""
@@ -108,4 +108,18 @@ def steps(t: Array) -> Array:
     dt = np.empty_like(t)
     dt[1:] = np.diff(t)
     dt[0] = dt[1] if len(t) > 1 else np.inf
-    return dt
+    return read_only(dt)
+
+
+def count(rows: Rows) -> int:
+    """How many samples `rows` picks."""
+    return rows.stop - rows.start if isinstance(rows, slice) else len(rows)
+
+
+def spread(x: Array, rows: Rows, n: int) -> Array:
+    """`x` (m, 3) with n rows: these at `rows`, NaN in between."""
+    if isinstance(rows, slice):
+        return x
+    out = np.full((n, 3), np.nan)
+    out[rows] = x
+    return out

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kreisel.data.checks import read_only
+from kreisel.data.checks import Array, choice, instance, read_only
 from kreisel.data.environment import Environment
 from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.data.temperature import TemperatureHistory
 from kreisel.maths.kinematics import specific_force
-from kreisel.maths.random import Stream, seed_from, stream
+from kreisel.maths.random import seed_from, stream
 from kreisel.maths.rotations import log_so3
 from kreisel.simulate.chain import BLOCK, Sensed, sense
-from kreisel.simulate.clock import Clock, Rows, steps
+from kreisel.simulate.clock import Clock, Rows, Sampling, count, spread, steps
 from kreisel.simulate.context import Context
 from kreisel.simulate.effects import Effect
 from kreisel.simulate.recorded import Recorded
@@ -48,6 +48,8 @@ class Imu:
     temperature: TemperatureHistory | None = None
 
     def __post_init__(self) -> None:
+        instance("mount", self.mount, Mount, "Write Mount(p_BS=[x, y, z]).")
+        instance("environment", self.environment, Environment, "Write Environment(...).")
         for name in ("gyro_effects", "accel_effects", "mag_effects"):
             effects = tuple(getattr(self, name))
             _check_names(name, [effect.name for effect in effects])
@@ -130,6 +132,7 @@ class Imu:
 
         Source: document 000, eq. (9), with the specific force R_SN (a_N - g_N) for its a_S.
         """
+        _check_motion(motion)
         field_N_uT = self.environment.field_N_uT
         gyro, accel, mag_uT = (np.empty((len(motion), 3)) for _ in SENSORS)
         for rows in _blocks(len(motion)):
@@ -152,6 +155,7 @@ class Imu:
 
         From attitude, velocity and position at both ends of each interval, not from rates: as exact as these.
         """
+        _check_motion(motion)
         at_sensor = motion.at(self.mount)
         step, g_N = np.diff(motion.t)[:, None], self.environment.g_N
         p, v, R = at_sensor.p_NB, at_sensor.v_NB, at_sensor.R_NB
@@ -168,7 +172,7 @@ class Imu:
         )
 
     def record(self, motion: Motion, rng: int | np.random.Generator, run: int = 0) -> Recorded:
-        """What this IMU reads at the times of `motion`, with every error it made.
+        """What this IMU reads at the times of `motion`, with its biases and, when asked for, every error it made.
 
         rng: a seed, or a generator from which one is drawn. run: number of the run in an ensemble of one seed.
         Every effect draws from a stream of its own, keyed by seed, run, name of the mount, sensor and name
@@ -178,14 +182,14 @@ class Imu:
         and effects that do not suit their sensor.
         """
         self._check(motion)
-        seed, sensor_name = seed_from(rng), self.mount.name
+        seed = seed_from(rng)
         ideal = self.ideal(motion)
         sensed = {
-            sensor: self._sense(sensor, motion, ideal, partial(stream, seed, run, f"{sensor_name}/{sensor}"))
+            sensor: self._sense(sensor, motion, ideal, seed, run)
             for sensor in SENSORS
             if getattr(ideal, sensor) is not None
         }
-        clock_stream = stream(seed, run, sensor_name, "clock")
+        clock_stream = stream(seed, run, self.mount.name, "clock")
         lost = self.clock.lost(len(motion), clock_stream)
         for each in sensed.values():
             each.reading[lost] = np.nan
@@ -194,30 +198,48 @@ class Imu:
                 t=read_only(self.clock.stamps(motion.t, clock_stream)),
                 **{sensor: read_only(each.reading) for sensor, each in sensed.items()},
                 t0_ns=motion.t0_ns,
-                name=sensor_name,
+                name=self.mount.name,
             ),
             ideal=ideal,
             gyro_bias=read_only(sensed["gyro"].bias),
             accel_bias=read_only(sensed["accel"].bias),
-            errors={
-                sensor: {name: read_only(added) for name, added in each.errors.items()}
-                for sensor, each in sensed.items()
-            },
             seed=seed,
+            run=run,
+            replay=partial(self._errors, motion, ideal, seed, run),
         )
 
+    def _errors(
+        self, motion: Motion, ideal: ImuRecording, seed: int, run: int, sensor: str
+    ) -> dict[str, Array]:
+        choice("sensor", sensor, [name for name in SENSORS if getattr(ideal, name) is not None])
+        effects, sampling = self._parts(sensor)
+        rows = sampling.rows(motion.t)
+        errors = {effect.name: np.zeros((count(rows), 3)) for effect in effects}
+        self._sense(sensor, motion, ideal, seed, run, errors)
+        return {name: spread(added, rows, len(motion)) for name, added in errors.items()}
+
     def _sense(
-        self, sensor: str, motion: Motion, ideal: ImuRecording, stream_of: Callable[[str], Stream]
+        self,
+        sensor: str,
+        motion: Motion,
+        ideal: ImuRecording,
+        seed: int,
+        run: int,
+        errors: Mapping[str, Array] | None = None,
     ) -> Sensed:
-        effects, sampling = {
+        effects, sampling = self._parts(sensor)
+        rows = sampling.rows(motion.t)
+        collected = sampling.collect(motion.t, getattr(ideal, sensor), rows)
+        stream_of = partial(stream, seed, run, f"{self.mount.name}/{sensor}")
+        sensed = sense(effects, collected, self._contexts(sensor, motion, ideal, rows), stream_of, errors)
+        return Sensed(*(spread(column, rows, len(motion)) for column in sensed))
+
+    def _parts(self, sensor: str) -> tuple[Sequence[Effect], Sampling]:
+        return {
             "gyro": (self.gyro_effects, self.clock.gyro),
             "accel": (self.accel_effects, self.clock.accel),
             "mag_uT": (self.mag_effects, self.clock.mag),
         }[sensor]
-        rows = sampling.rows(motion.t)
-        collected = sampling.collect(motion.t, getattr(ideal, sensor), rows)
-        sensed = sense(effects, collected, self._contexts(sensor, motion, ideal, rows), stream_of)
-        return sensed if isinstance(rows, slice) else sensed.spread(rows, len(motion))
 
     def _contexts(self, sensor: str, motion: Motion, ideal: ImuRecording, rows: Rows) -> Iterator[Context]:
         t = motion.t[rows]
@@ -238,6 +260,7 @@ class Imu:
             )
 
     def _check(self, motion: Motion) -> None:
+        _check_motion(motion)
         if len(motion) < 2:
             raise ValueError(
                 f"a recording needs two samples or more, for noise depends on the time between them; got {len(motion)}."
@@ -252,6 +275,10 @@ class Imu:
 
 def _blocks(n: int) -> Iterator[slice]:
     return (slice(first, min(first + BLOCK, n)) for first in range(0, n, BLOCK))
+
+
+def _check_motion(motion: Motion) -> None:
+    instance("motion", motion, Motion, "A trajectory's sample(t) gives one.")
 
 
 def _check_names(field_name: str, names: list[str]) -> None:

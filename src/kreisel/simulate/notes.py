@@ -9,13 +9,12 @@ from kreisel.data.motion import Note
 from kreisel.maths.following.exact import Followed, Joints
 from kreisel.maths.following.joints import TURN
 
+AIMLESS = Note("rest", "nothing gives the body a heading, as it never moves horizontally: heading 0 is taken")
+
 
 def path_notes(followed: Followed) -> tuple[Note, ...]:
     """One note for every step of attitude or rate, and one where nothing gave the body a heading."""
-    lost = Note(
-        "rest", "nothing gives the body a heading, as it never moves horizontally: heading 0 is taken"
-    )
-    return (*joint_notes(followed.joints), *([lost] if followed.aimless else []))
+    return (*joint_notes(followed.joints), *([AIMLESS] if followed.aimless else []))
 
 
 def joint_notes(joints: Joints) -> tuple[Note, ...]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 from kreisel.data.checks import Array
 from kreisel.data.recording import ImuRecording
@@ -11,15 +11,21 @@ from kreisel.data.recording import ImuRecording
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recorded:
-    """A recording and its truth, row by row; NaN where a sensor gave no sample.
-
-    errors: what each effect added, by sensor ("gyro", "accel", "mag_uT") and name of the effect, (n, 3) in
-        the sensor's unit. With a clock that neither delays nor averages, ideal plus all of them is measured.
-    """
+    """A recording and its truth, row by row; NaN where a sensor gave no sample."""
 
     measured: ImuRecording
     ideal: ImuRecording
     gyro_bias: Array  # (n, 3) rad/s, sum of the errors that are biases
     accel_bias: Array  # (n, 3) m/s^2
-    errors: Mapping[str, Mapping[str, Array]]
     seed: int  # with which the same IMU records the same bits again
+    run: int
+    replay: Callable[[str], dict[str, Array]] = field(repr=False)
+
+    def errors(self, sensor: str) -> dict[str, Array]:
+        """What each effect of `sensor` ("gyro", "accel" or "mag_uT") added, by its name: (n, 3), sensor's unit.
+
+        Made when asked for, by going through the recording again, which gives the same bits: kept for all
+        effects they would take more memory, and more time to fill it, than all the rest.
+        With a clock that neither delays nor averages, ideal plus all of them is measured.
+        """
+        return self.replay(sensor)

@@ -11,9 +11,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from kreisel.data.checks import file_name, finite_number
 from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.trajectory import Trajectory
-from kreisel.study.values import Vector, file_name, finite, plain, positive, unlike, vector
+from kreisel.study.values import Vector, plain, unlike, vector
 
 
 @dataclass(frozen=True)
@@ -65,11 +66,11 @@ class EnvironmentRecipe:
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        put(self, "gravity", finite("gravity", self.gravity))
+        put(self, "gravity", finite_number("gravity", self.gravity))
         if self.field_N_uT is not None:
             put(self, "field_N_uT", vector("field_N_uT", self.field_N_uT))
         if self.declination_deg is not None:
-            put(self, "declination_deg", finite("declination_deg", self.declination_deg))
+            put(self, "declination_deg", finite_number("declination_deg", self.declination_deg))
 
 
 @dataclass(frozen=True)
@@ -94,9 +95,9 @@ class Scenario:
         put = object.__setattr__
         for name in ("duration", "rate_hz"):
             if getattr(self, name) is not None:
-                put(self, name, positive(name, getattr(self, name)))
+                put(self, name, finite_number(name, getattr(self, name), above=0.0))
         if self.start is not None:
-            put(self, "start", finite("start", self.start))
+            put(self, "start", finite_number("start", self.start))
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
             raise ValueError(f"seed must be a whole number, 0 or more; got {self.seed!r}.")
         put(self, "imus", unlike("imu", tuple(self.imus)))

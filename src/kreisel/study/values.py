@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from numbers import Integral, Real
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
+
+from kreisel.data.checks import finite_number
 
 Vector = tuple[float, float, float]
 
@@ -22,8 +23,6 @@ class Named(Protocol):
 
 
 Part = TypeVar("Part", bound=Named)
-
-_FILE_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_. +-]{0,63}")
 
 
 def plain(name: str, value: Any) -> Any:
@@ -46,41 +45,13 @@ def plain(name: str, value: Any) -> Any:
     )
 
 
-def finite(name: str, value: Any) -> float:
-    """`value` as a finite float, or a ValueError that names it."""
-    try:
-        number = np.nan if isinstance(value, bool | str) else float(value)
-    except (TypeError, ValueError, OverflowError):
-        number = np.nan
-    if not np.isfinite(number):
-        raise ValueError(f"{name} must be a finite number; got {value!r:.60}.")
-    return number
-
-
-def positive(name: str, value: Any) -> float:
-    """`value` as a float above 0, or a ValueError that names it."""
-    if not finite(name, value) > 0.0:
-        raise ValueError(f"{name} must be above 0; got {value!r}.")
-    return float(value)
-
-
 def vector(name: str, value: Any) -> Vector:
     """`value` as three finite floats, or a ValueError that names it."""
     parts = value.tolist() if isinstance(value, np.ndarray) else value
     if isinstance(parts, str) or not isinstance(parts, Sequence) or len(parts) != 3:
         raise ValueError(f"{name} must be three numbers; got {value!r}.")
-    x, y, z = (finite(f"{name}[{k}]", part) for k, part in enumerate(parts))
+    x, y, z = (finite_number(f"{name}[{k}]", part) for k, part in enumerate(parts))
     return x, y, z
-
-
-def file_name(name: str, value: Any) -> str:
-    """`value` itself where files can be called so, or a ValueError that names it."""
-    if not isinstance(value, str) or not _FILE_NAME.fullmatch(value):
-        raise ValueError(
-            f"{name} must start with a letter or digit and hold letters, digits, blanks, _ + - . only, "
-            f"as files are called by it; got {value!r}."
-        )
-    return value
 
 
 def unlike(what: str, parts: tuple[Part, ...]) -> tuple[Part, ...]:

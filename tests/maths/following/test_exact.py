@@ -173,3 +173,53 @@ def test_the_end_of_the_span_is_seen_from_inside() -> None:
 def test_no_rows_give_no_rows() -> None:
     found = follow(path(wave, nothing, nothing), np.empty(0))
     assert found.p_NB.shape == (0, 3) and found.joints.t.size == 0
+
+
+def bell(t: Array) -> Array:
+    return np.exp(-((6.0 * (t - 2.0)) ** 2))
+
+
+def smooth_stop(t: Array) -> Array:
+    return np.where(t < 2.0, np.exp(-1.0 / np.maximum(2.0 - t, 1e-9)), 0.0)
+
+
+def smooth_start(t: Array) -> Array:
+    return smooth_stop(4.0 - t)
+
+
+def fade(t: Array) -> Array:
+    return np.tanh(20.0 * (t - 2.0))
+
+
+@pytest.mark.parametrize("slope", [(1.0, 0.0, 0.0), (-1.0, 0.5, 0.3), (1.0, 0.0, 2e-3)])
+@pytest.mark.parametrize(
+    "motion, turns_at", [(smooth_stop, []), (bell, [2.0]), (fade, []), (smooth_start, [])]
+)
+def test_a_movement_that_fades_away_does_not_turn_round(
+    motion: Function, turns_at: list[float], slope: tuple[float, float, float]
+) -> None:
+    # All derivatives go to zero with the velocity, and any few of them promise a reversal that never comes.
+    x, y, z = ((lambda t, s=s: s * motion(t)) for s in slope)
+    found = follow(path(x, y, z), np.arange(0, 4000) / 1000.0)
+    np.testing.assert_allclose(found.joints.t, turns_at, atol=1e-9)
+    # One attitude before the turn and one after it, to the accuracy with which tiny velocities have a direction.
+    for rows in (slice(0, 2000), slice(2000, None)):
+        R = found.attitude.R_NB[rows]
+        np.testing.assert_allclose(R, np.broadcast_to(R[0], R.shape), atol=1e-9)
+
+
+def test_the_last_instants_before_a_stop_still_go_forward() -> None:
+    # Expanded, the velocity there is round-off, and its derivatives promise a reversal.
+    t = np.sort(1.0 - 10.0 ** -np.arange(3.0, 12.0, 0.25))
+    np.testing.assert_array_equal(heading(follow(path(least_snap, nothing, nothing), t)), 0.0)
+
+
+def test_a_fading_stop_and_a_smooth_start_elsewhere_are_one_jump() -> None:
+    t = np.arange(0, 8000) / 2000.0
+    found = follow(path(smooth_stop, smooth_start, nothing), t)
+    assert found.joints.t.size == 1
+    # 1e-12 m/s, under which nothing is a movement, is passed at 2.03 s.
+    assert 2.0 < found.joints.t[0] < 2.03
+    west = np.abs(heading(found)) > 170.0
+    np.testing.assert_array_equal(west, t < found.joints.t[0])
+    np.testing.assert_allclose(heading(found)[~west], 90.0, atol=1e-9)

@@ -54,7 +54,7 @@ def test_limits_are_the_closed_form_where_the_body_moves() -> None:
     d = loop(t)
     attitude, _ = tangent_motion(t, d[0], d[1], d[2])
     for side in (BEFORE, AFTER):
-        for ours, theirs in zip(attitude_along(limits(t, d, side)), attitude, strict=True):
+        for ours, theirs in zip(attitude_along(limits(t, d, side).directions), attitude, strict=True):
             np.testing.assert_array_equal(ours, theirs)
 
 
@@ -70,7 +70,7 @@ def test_the_cusp_of_a_cycloid_has_the_rate_of_its_tangent(side: int) -> None:
     # at the cusp as everywhere; there it stands upright.
     cusp = np.array([2.0 * np.pi])
     d = derivatives(lambda u: u - np.sin(u), lambda u: 1.0 - np.cos(u), zero, cusp)
-    attitude = attitude_along(limits(cusp, d, side))
+    attitude = attitude_along(limits(cusp, d, side).directions)
     np.testing.assert_allclose(attitude.R_NB[0, :, 0], [0.0, side, 0.0], atol=1e-15)
     np.testing.assert_allclose(attitude.omega_NB_B[0], [0.0, 0.0, -0.5], atol=1e-15)
     np.testing.assert_allclose(attitude.alpha_NB_B[0], 0.0, atol=1e-14)
@@ -91,7 +91,7 @@ def test_a_movement_may_begin_with_any_derivative_up_to_snap(begins_with: int) -
         lambda u: along(2)(u),  # type: ignore[operator]
         t,
     )
-    after, before = (attitude_along(limits(t, d, side)) for side in (AFTER, BEFORE))
+    after, before = (attitude_along(limits(t, d, side).directions) for side in (AFTER, BEFORE))
     np.testing.assert_allclose(after.R_NB[0, :, 0], [0.6, 0.8, 0.0], atol=1e-15)
     np.testing.assert_allclose(
         before.R_NB[0, :, 0], (-1.0) ** (k - 1) * np.array([0.6, 0.8, 0.0]), atol=1e-15
@@ -107,7 +107,7 @@ def test_through_the_vertical_the_pitch_turns_back_and_the_heading_flips(side: i
     # Top speed upwards on a vertical circle at 1 rad/s: nose up, rate 1 rad/s about a y axis that flips.
     t = np.zeros(1)
     d = derivatives(lambda u: np.cos(u), zero, lambda u: np.sin(u), t)
-    attitude = attitude_along(limits(t, d, side))
+    attitude = attitude_along(limits(t, d, side).directions)
     np.testing.assert_allclose(attitude.R_NB[0, :, 0], [0.0, 0.0, 1.0], atol=1e-15)
     np.testing.assert_allclose(attitude.R_NB[0, :, 1], [0.0, -side, 0.0], atol=1e-15)
     # In N the rate is -1 rad/s about y whatever the body's y axis is: from z towards -x.
@@ -124,4 +124,4 @@ def test_the_tail_of_a_slow_beginning_is_no_reversal() -> None:
 
 def test_at_rest_nothing_leads() -> None:
     assert np.isnan(leading_series(np.zeros(1), np.zeros((6, 1, 3)), AFTER)).all()
-    assert np.isnan(limits(np.zeros(1), np.zeros((6, 1, 3)), AFTER).climb).all()
+    assert np.isnan(limits(np.zeros(1), np.zeros((6, 1, 3)), AFTER).directions.climb).all()

@@ -23,7 +23,7 @@ def at_rest(effect: Any, t: np.ndarray, seed: int, sensor: str = "gyro", **imu: 
 
 def error_at_rest(effect: Any, t: np.ndarray, seed: int, sensor: str = "gyro", **imu: Any) -> np.ndarray:
     """(n, 3) what the effect added."""
-    return at_rest(effect, t, seed, sensor, **imu).errors[sensor][effect.name]
+    return at_rest(effect, t, seed, sensor, **imu).errors(sensor)[effect.name]
 
 
 def first_errors(effect: Any, runs: int, seed: int, t: np.ndarray) -> np.ndarray:

@@ -101,7 +101,7 @@ def test_without_a_history_it_is_25_degrees() -> None:
 def test_a_bias_over_temperature_is_a_bias_and_a_scale_is_none(rng: np.random.Generator) -> None:
     effects = [TemperatureBias(slope=1.0, reference_degC=20.0), ScaleFactor(error=0.1)]
     recorded = Imu(accel_effects=effects).record(rest().sample(T), 1)
-    np.testing.assert_array_equal(recorded.accel_bias, recorded.errors["accel"]["temperature_bias"])
+    np.testing.assert_array_equal(recorded.accel_bias, recorded.errors("accel")["temperature_bias"])
 
 
 @pytest.mark.parametrize(
@@ -129,6 +129,6 @@ def test_draws_of_the_axes_are_independent(rng: np.random.Generator) -> None:
     motion, seed = lissajous().sample(T[:2]), int(rng.integers(2**62))
     imu = Imu(gyro_effects=[ScaleFactor(sigma=0.1)], environment=Environment())
     recorded = [imu.record(motion, seed, run) for run in range(200)]
-    errors = np.array([r.errors["gyro"]["scale_factor"][0, 1:] / r.ideal.gyro[0, 1:] for r in recorded])
+    errors = np.array([r.errors("gyro")["scale_factor"][0, 1:] / r.ideal.gyro[0, 1:] for r in recorded])
     # 200 runs: 0.07 standard deviation of a correlation.
     assert np.abs(np.corrcoef(errors.T)[0, 1]) < 0.36

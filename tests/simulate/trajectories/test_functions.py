@@ -108,12 +108,28 @@ def test_functions_that_cannot_be_differentiated_are_refused_with_the_cure(
         FunctionTrajectory(position).sample(T)
 
 
+def test_a_position_is_refused_with_its_time_whatever_the_orientation() -> None:
+    with pytest.raises(
+        ValueError, match=r"first derivative of position is not finite at t = 0 s\. It is infinite"
+    ):
+        FunctionTrajectory((lambda t: t**0.5, 0, 0), (0, 0, 0)).sample(T)
+
+
+def test_an_exp_that_overflows_is_suspected() -> None:
+    """Finite in NumPy: 1 / inf is 0, but its derivative inf / inf."""
+    step = FunctionTrajectory((lambda t: 1.0 / (1.0 + np.exp(-1000.0 * (t - 2.0))), 0, 0), (0, 0, 0))
+    with pytest.raises(ValueError, match=r"at t = 0 s\. It is undefined: .* exp that overflows.*np\.tanh"):
+        step.sample(np.linspace(0.0, 1.0, 5))
+
+
 def test_orientation_that_is_not_finite_is_named_with_its_time() -> None:
     with pytest.raises(ValueError, match="value of orientation is not finite at t = 1 s"):
         FunctionTrajectory((0, 0, 0), (lambda t: 1.0 / (t - 1.0), 0, 0)).sample(np.array([0.0, 1.0, 2.0]))
 
 
 def test_span_is_checked() -> None:
+    with pytest.raises(ValueError, match=r"span must be \(first, last\).*; got 3\."):
+        FunctionTrajectory((x, y, 0), span=3)
     with pytest.raises(ValueError, match="first < last"):
         FunctionTrajectory((x, y, 0), span=(1.0, 1.0))
     with pytest.raises(ValueError, match=r"0 to 1 s; row 101 is 1.01"):

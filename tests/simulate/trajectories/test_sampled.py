@@ -59,7 +59,9 @@ def test_every_form_of_attitude_gives_the_same_motion(case, rng):
     rotation = Rotation.from_matrix(exact.R_NB)
     wxyz = rotation.as_quat(scalar_first=True)
     flipped = wxyz * rng.choice([-1.0, 1.0], (len(T), 1))
-    wrapped = rotation.as_euler("ZYX")[:, ::-1] + 2.0 * np.pi * rng.integers(-2, 3, (len(T), 3))
+    # Roll and heading by any number of turns; pitch beyond one would be taken for degrees.
+    turns = rng.integers(-2, 3, (len(T), 3)) * [1, 0, 1]
+    wrapped = rotation.as_euler("ZYX")[:, ::-1] + 2.0 * np.pi * turns
     reference = SampledTrajectory(T, exact.p_NB, exact.R_NB).sample(T)
     for orientation, order in [
         (rotation, None),
@@ -72,6 +74,21 @@ def test_every_form_of_attitude_gives_the_same_motion(case, rng):
         np.testing.assert_allclose(motion.R_NB, reference.R_NB, rtol=0, atol=1e-14)
         # Round-off of 1e-15 in a quaternion, twice differentiated at the ends of a spline of degree nine.
         np.testing.assert_allclose(motion.omega_NB_B, reference.omega_NB_B, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("phi", "what"), [((0.0, 45.0, 0.0), "phi_y reaches 45"), ((0.0, 0.0, 500.0), "an angle steps by 350")]
+)
+def test_angles_that_look_like_degrees_draw_a_warning(phi, what):
+    t = np.arange(50) / 10.0
+    angles = np.outer(np.ones(50), phi) if phi[1] else (np.outer(t, phi) * 0.2) % 360.0
+    with pytest.warns(UserWarning, match=rf"{what}: are these degrees\? Then give np\.deg2rad"):
+        SampledTrajectory(t, np.zeros((50, 3)), angles)
+
+
+def test_an_order_that_is_none_is_refused_whatever_the_orientation():
+    with pytest.raises(ValueError, match="order must be one of 'wxyz', 'xyzw'; got 'foo'"):
+        SampledTrajectory(T, np.zeros((len(T), 3)), "tangent", order="foo")
 
 
 def test_slow_poses_give_a_fast_imu():

@@ -117,3 +117,76 @@ def test_transport_of_samples_is_transport_of_the_functions_behind_them():
     np.testing.assert_allclose(motion.R_NB, exact.R_NB, rtol=0, atol=1e-8)
     # Derivatives of samples at their ends, as for the tangent.
     np.testing.assert_allclose(motion.omega_NB_B, exact.omega_NB_B, rtol=0, atol=1e-6)
+
+
+# What a reviewer tried, and what a body along it does: the times at which it jumps, and by how much in degrees.
+S = np.arange(0.0, 4.0001, 0.01)
+C = np.cos(2.0 * S)
+NOTHING = 0.0 * S
+REVERSALS = np.pi / 2.0 * np.arange(1, 3)
+KNOTS = [0.0, 1.0, 2.0, 3.0, 4.0]
+VERTICAL = np.stack([NOTHING, NOTHING, np.sin(2.0 * S)], axis=1)
+SLANTED = np.stack([C, 0.5 * C, 0.2 * C], axis=1)
+STOP_THEN_TURN = np.stack(
+    [np.where(S < 1.0, -((1.0 - S) ** 3), 0.0), np.where(S > 2.0, (S - 2.0) ** 3, 0.0), NOTHING], axis=1
+)
+WAYPOINTS = np.stack(
+    [np.interp(S, KNOTS, [0.0, 1.0, 1.0, 1.0, 0.0]), np.interp(S, KNOTS, [0.0, 0.0, 1.0, 1.0, 1.0]), NOTHING],
+    axis=1,
+)
+CUSP = np.stack([(S - 2.0) ** 2, (S - 2.0) ** 3, NOTHING], axis=1)
+JUMPS = [
+    (VERTICAL, "tangent", np.pi / 4.0 + np.pi / 2.0 * np.arange(3), 180.0, 1e-6),
+    (VERTICAL, "transport", [], 0.0, 0.0),
+    (SLANTED, "tangent", REVERSALS, 180.0, 1e-6),
+    (SLANTED, "transport", [], 0.0, 0.0),
+    (STOP_THEN_TURN, "tangent", [2.0], 90.0, 5e-3),  # a cubic leaves the floor slowly
+    (STOP_THEN_TURN, "transport", [2.0], 90.0, 5e-3),
+    (WAYPOINTS, "tangent", [3.0], 90.0, 0.02),  # two samples: where the interpolation turns the corner
+    (WAYPOINTS, "transport", [3.0], 90.0, 0.02),
+    (CUSP, "tangent", [2.0], 180.0, 1e-6),
+    (CUSP, "transport", [], 0.0, 0.0),
+]
+
+
+@pytest.mark.parametrize("path, orientation, at, by, within", JUMPS, ids=range(len(JUMPS)))
+def test_the_gyro_explains_every_turn_but_those_in_the_notes(path, orientation, at, by, within):
+    t = np.arange(0.0, 4.0, 1e-3)
+    motion = SampledTrajectory(S, path, orientation).sample(t)
+    np.testing.assert_allclose(jumps(motion), at, atol=within)
+    relative = np.einsum("nji,njk->nik", motion.R_NB[:-1], motion.R_NB[1:])
+    turned = np.rad2deg(np.arccos(np.clip((np.trace(relative, axis1=1, axis2=2) - 1.0) / 2.0, -1.0, 1.0)))
+    rate = np.rad2deg(np.linalg.norm(motion.omega_NB_B, axis=1)) * 1e-3
+    unexplained = np.flatnonzero(turned > np.maximum(rate[:-1], rate[1:]) + 2.0)
+    np.testing.assert_array_equal(unexplained, np.searchsorted(t, jumps(motion)) - 1)
+    # The cusp turns on by 0.1 degree in a millisecond.
+    np.testing.assert_allclose(turned[unexplained], by, atol=0.1)
+
+
+def test_at_rest_the_whole_attitude_is_held():
+    motion = SampledTrajectory(S, SLANTED).sample()
+    # Up or down along one line, and never level in between; a floor is where 0.05 rad are known.
+    np.testing.assert_allclose(np.abs(motion.R_NB[:, 2, 0]), 0.2 / np.sqrt(1.29), atol=0.05)
+
+
+def test_a_cusp_is_passed_at_its_own_rate():
+    t = np.arange(1.9, 2.1, 1e-3)
+    motion = SampledTrajectory(S, CUSP, "transport").sample(t)
+    # The direction is atan(1.5 (t - 2)); at the cusp itself its rate is that of a quarter step before.
+    np.testing.assert_allclose(motion.omega_NB_B[:, 2], 1.5 / (1.0 + 2.25 * (t - 2.0) ** 2), rtol=2e-5)
+
+
+def test_corners_are_named():
+    notes = SampledTrajectory(S, WAYPOINTS).sample().notes
+    assert any(
+        note.kind == "method" and "corners" in note.text and "1, 2, 3 s" in note.text for note in notes
+    )
+    assert not any("corners" in note.text for note in SampledTrajectory(S, CUSP).sample().notes)
+
+
+@pytest.mark.parametrize(
+    "orientation, path", [("tangent", VERTICAL), ("tangent", 1.0 + 0.0 * CUSP), ("transport", 0.0 * CUSP)]
+)
+def test_a_path_that_gives_no_heading_says_so(orientation, path):
+    notes = SampledTrajectory(S, path, orientation).sample().notes
+    assert [note.kind for note in notes].count("rest") == 1

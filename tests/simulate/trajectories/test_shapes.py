@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
+from kreisel.simulate.trajectories.circle import circle
+from kreisel.simulate.trajectories.coning import coning
 from kreisel.simulate.trajectories.functions import FunctionTrajectory
+from kreisel.simulate.trajectories.helix import helix
+from kreisel.simulate.trajectories.lissajous import lissajous
 from kreisel.simulate.trajectories.lying_eight import figure_eight, lying_eight
 from kreisel.simulate.trajectories.rounded_rectangle import rounded_rectangle
 
@@ -74,3 +78,21 @@ def test_the_joints_of_a_rounded_rectangle_are_found_in_its_functions_too() -> N
 def test_impossible_rectangles_are_refused(change: dict[str, float], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         rounded_rectangle(**change)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: circle(1.0, 0.0), "period must not be 0"),
+        (lambda: helix(1.0, 1.0, 0.0), "period must not be 0"),
+        (lambda: lying_eight(0.0), "period must not be 0"),
+        (lambda: circle(np.nan), "radius must be a finite number; got nan"),
+        (lambda: rounded_rectangle(length=np.nan), "length must be a finite number; got nan"),
+        (lambda: rounded_rectangle(speed=np.inf), "speed must be a finite number; got inf"),
+        (lambda: coning(rate=np.nan), "rate must be a finite number; got nan"),
+        (lambda: lissajous(frequency="1"), "frequency must be a finite number; got '1'"),
+    ],
+)
+def test_numbers_that_make_no_shape_are_named(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()

@@ -8,7 +8,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from kreisel.cli.inputs import add_input_arguments, read_input
+from kreisel.cli.inputs import add_input_arguments, check_units, read_input
 
 if TYPE_CHECKING:
     from kreisel.evaluate.allan import AllanFit
@@ -47,7 +47,6 @@ def configure(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Read, fit, report."""
-    from kreisel.cli.commands.estimate import check_units
     from kreisel.data.recording import ImuRecording
     from kreisel.evaluate.allan import allan
 
@@ -114,10 +113,9 @@ def _cell(fit: AllanFit, term: str, axis: int, factor: float) -> str:
 def _write(folder: Path, report: dict[str, Any], fits: list[AllanFit]) -> list[str]:
     """Write numbers and pictures; one line for each."""
     from kreisel import show
-    from kreisel.cli.outputs import make_folder
-    from kreisel.files.atomic import replacing
+    from kreisel.atomic import replacing
 
-    make_folder(folder)
+    folder.mkdir(parents=True, exist_ok=True)
     with replacing(folder / "allan.json") as out:
         out.write((json.dumps(report, indent=2, allow_nan=False) + "\n").encode())
     with replacing(folder / "preset.toml") as out:

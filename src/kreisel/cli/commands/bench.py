@@ -10,6 +10,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kreisel.cli.outputs import Output, check_outputs, output_folder, picture, write_json, write_outputs
+
 if TYPE_CHECKING:
     from kreisel.study.broad import Score
 
@@ -47,7 +49,9 @@ def configure(parser: ArgumentParser) -> None:
         metavar="NAME",
         help="a filter to run; may be given several times (default: ours, and all others installed)",
     )
-    parser.add_argument("-o", "--output", metavar="FOLDER", help="folder for scores.json and a picture")
+    parser.add_argument(
+        "-o", "--output", type=output_folder, metavar="FOLDER", help="folder for scores.json and a picture"
+    )
     parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
     parser.epilog = _EXAMPLES
 
@@ -57,11 +61,13 @@ def run(args: Namespace) -> int:
     from kreisel.study import broad
 
     names, paths = _chosen(args.filter), broad.trial_files(Path(args.folder))
+    outputs = _outputs()
+    check_outputs(args.output or Path(), outputs)
     scores = list(_with_progress(broad.scores(names, paths), names, paths))
     means = [broad.mean(_of(scores, name)) for name in names]
     report = _report(scores, means)
     if args.output is not None:
-        _write(Path(args.output), report, scores)
+        write_outputs(args.output, outputs, (report, scores))
     if args.json:
         print(json.dumps(report, indent=2, allow_nan=False))
     else:
@@ -139,12 +145,10 @@ def _cells(score: Score) -> list[str]:
     return [f"{getattr(score, name):.3f}" for name in (*_COLUMNS, "heading_offset_deg")]
 
 
-def _write(folder: Path, report: dict[str, Any], scores: Sequence[Score]) -> None:
+def _outputs() -> list[Output[tuple[dict[str, Any], Sequence[Score]]]]:
     from kreisel import show
-    from kreisel.cli.outputs import make_folder
-    from kreisel.files.atomic import replacing
 
-    make_folder(folder)
-    with replacing(folder / "scores.json") as out:
-        out.write((json.dumps(report, indent=2, allow_nan=False) + "\n").encode())
-    show.save(show.plot_broad(scores), folder / "scores.png")
+    return [
+        Output("scores.json", "all scores, for programs", lambda made, path: write_json(made[0], path)),
+        picture("scores.png", "the scores, trial by trial", lambda made: show.plot_broad(made[1])),
+    ]

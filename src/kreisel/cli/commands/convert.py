@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from pathlib import Path
 
 from kreisel.cli.inputs import add_input_arguments, read_input
+from kreisel.cli.outputs import summary_stream
 from kreisel.data.checks import choice
 from kreisel.data.frames import WORLDS, from_enu_flu
-from kreisel.files.doors import format_names, write
+from kreisel.files.doors import writable_names, write
 
 HELP = "a file in another format, other units or another world"
 
@@ -26,7 +26,7 @@ def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     add_input_arguments(parser)
     parser.add_argument("output", metavar="OUT", help="file to write; its suffix tells the format")
-    parser.add_argument("--to", metavar="FORMAT", help=f"format of the output: {', '.join(format_names())}")
+    parser.add_argument("--to", metavar="FORMAT", help=f"format of the output: {', '.join(writable_names())}")
     parser.add_argument(
         "--to-frame",
         default="enu-flu",
@@ -40,7 +40,7 @@ def run(args: Namespace) -> int:
     """Read, turn, write."""
     choice("--to-frame", args.to_frame, tuple(WORLDS))
     data = from_enu_flu(read_input(args), args.to_frame)
-    write(Path(args.output), data, args.to)
+    write(args.output, data, args.to)
     span = data.t[-1] - data.t[0]
-    print(f"{args.output}: {len(data)} rows over {span:.6g} s")
+    print(f"{args.output}: {len(data)} rows over {span:.6g} s", file=summary_stream(args.output))
     return 0

@@ -1,4 +1,4 @@
-"""Turns a built-in path into files to look at: `kreisel demo`."""
+"""Turns two built-in paths into files to look at, from path to IMU data and back to attitude: `kreisel demo`."""
 
 from __future__ import annotations
 
@@ -8,38 +8,108 @@ from pathlib import Path
 
 import numpy as np
 
-from kreisel.cli.outputs import aligned, describe_notes, write_simulation
+from kreisel.cli.outputs import (
+    Output,
+    Simulation,
+    aligned,
+    describe_notes,
+    output_folder,
+    picture,
+    simulation_outputs,
+    write_outputs,
+)
 
-HELP = "the main job on a built-in path: the loop of the document's figure 1"
+HELP = "the whole loop on built-in paths: IMU data, truth, attitude, pictures"
+
+# Central Europe: 18.5 uT to the north and 45 uT down, rounded.
+_FIELD_N_UT = (0.0, 18.5, -45.0)
 
 
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument(
-        "-o", "--output", default="kreisel-demo", metavar="FOLDER", help="default: kreisel-demo"
+        "-o",
+        "--output",
+        type=output_folder,
+        default="kreisel-demo",
+        metavar="FOLDER",
+        help="default: kreisel-demo",
     )
 
 
 def run(args: Namespace) -> int:
-    """Simulate 5 s of figure 1's loop at 200 Hz with the IMU off the centre of mass, and write it all."""
+    """Simulate the loop of figure 1, then fly an eight with a noisy IMU and estimate its attitude."""
+    started = time.perf_counter()
+    folder: Path = args.output
+    print("1. From a path to IMU data")
+    print(
+        "   A body flies the loop of figure 1 (0.8 x 0.8 x 0.3 m, 1 Hz), its nose along the path. An IMU sits"
+    )
+    print("   75 mm behind, 75 mm to the right of and 25 mm above its centre of mass: 5 s at 200 Hz.")
+    print(aligned(_figure_1(folder)))
+    print("\n2. From IMU data back to attitude")
+    print(
+        "   A lying eight in 8 s, for a minute; a noisy gyroscope, accelerometer and magnetometer record it, and"
+    )
+    print("   the DCM filter is given nothing but that recording.")
+    print(aligned(_eight(folder)))
+    print(f"\nMade in {time.perf_counter() - started:.1f} s. Next, with files of your own:")
+    print("  kreisel info poses.csv                      what is in it")
+    print("  kreisel simulate poses.csv -o out/          its IMU data; --imu -0.1,0,0.05 moves the IMU")
+    print("  kreisel estimate imu.csv -o attitude.tum    attitude of a recording")
+    return 0
+
+
+def _figure_1(folder: Path) -> list[str]:
+    """The document's loop with an ideal IMU off the centre of mass."""
     from kreisel.data.motion import Mount
     from kreisel.simulate.imu import Imu
     from kreisel.simulate.trajectories.lissajous import lissajous
 
-    started = time.perf_counter()
     motion = lissajous().sample(np.arange(1001) / 200.0)
     mount = Mount(p_BS=np.array([-0.075, -0.075, 0.025]))
-    folder = Path(args.output)
-    lines = write_simulation(folder, motion, [mount], [Imu(mount).ideal(motion)], animation=True)
-    print("A body flies the loop of figure 1 (0.8 x 0.8 x 0.3 m, 1 Hz), its nose along the path.")
-    print(
-        "An IMU sits 75 mm behind, 75 mm to the right of and 25 mm above its centre of mass: 5 s at 200 Hz."
-    )
+    made = Simulation(motion, (mount,), (Imu(mount).ideal(motion),))
     for line in describe_notes(motion.notes):
         print(line)
-    print(f"\nMade in {time.perf_counter() - started:.1f} s:")
-    print(aligned(lines))
-    print("\nNext, with a file of your own (time, position and, if you have it, attitude):")
-    print("  kreisel info poses.csv")
-    print("  kreisel simulate poses.csv -o out/ --imu=-0.075,-0.075,0.025")
-    return 0
+    return write_outputs(folder, simulation_outputs([mount.name], animation=True), made)
+
+
+def _eight(folder: Path) -> list[str]:
+    """The loop closed: motion, recording, estimate, errors."""
+    from kreisel import show
+    from kreisel.data.environment import Environment
+    from kreisel.data.motion import Mount
+    from kreisel.estimate.filters.dcm import DcmFilter
+    from kreisel.estimate.run import run as estimate_attitude
+    from kreisel.evaluate.attitude_errors import attitude_errors
+    from kreisel.files.doors import write
+    from kreisel.simulate.effects.turn_on_bias import TurnOnBias
+    from kreisel.simulate.effects.white_noise import WhiteNoise
+    from kreisel.simulate.imu import Imu
+    from kreisel.simulate.trajectories.lying_eight import figure_eight
+
+    motion = figure_eight(period=8.0).sample(np.arange(60 * 200 + 1) / 200.0)
+    imu = Imu(
+        Mount(name="eight"),
+        gyro_effects=[TurnOnBias(sigma=np.deg2rad(0.3)), WhiteNoise(np.deg2rad(0.01))],
+        accel_effects=[WhiteNoise(150e-6 * 9.80665)],
+        mag_effects=[WhiteNoise(0.05)],
+        environment=Environment(field_N_uT=np.array(_FIELD_N_UT)),
+    )
+    recorded = imu.record(motion, 1)
+    estimate = estimate_attitude(DcmFilter(), recorded.measured)
+    errors = attitude_errors(motion.at(imu.mount), estimate)
+    rms_deg = np.rad2deg(np.sqrt(np.mean(errors.total[errors.t > 10.0] ** 2)))
+    samples = f"what the IMU recorded, {len(recorded.measured)} samples"
+    difference = f"their difference: {rms_deg:.1f} deg RMS after 10 s"
+    outputs: list[Output[None]] = [
+        Output("eight_imu.csv", samples, lambda _, path: write(path, recorded.measured)),
+        Output("eight_attitude.tum", "what the filter makes of it", lambda _, path: write(path, estimate)),
+        picture(
+            "eight_attitude.png",
+            "estimate and truth",
+            lambda _: show.plot_attitude(estimate, motion.at(imu.mount)),
+        ),
+        picture("eight_errors.png", difference, lambda _: show.plot_attitude_errors(errors)),
+    ]
+    return write_outputs(folder, outputs, None)

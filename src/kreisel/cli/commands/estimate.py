@@ -1,9 +1,10 @@
-"""Turns a file of IMU data into a file of attitude: `kreisel estimate`."""
+"""Turns IMU recordings into attitude by one of our filters: `kreisel estimate`."""
 
 from __future__ import annotations
 
-import sys
-import time
+import glob
+import json
+import math
 from argparse import ArgumentParser, Namespace
 from collections.abc import Collection, Sequence
 from dataclasses import fields
@@ -13,129 +14,292 @@ from typing import Any
 import numpy as np
 
 from kreisel import discovery
-from kreisel.cli.inputs import add_input_arguments, read_input
+from kreisel.cli.inputs import add_input_arguments, check_units, read_content
+from kreisel.cli.outputs import summary_stream
 from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.checks import choice
-from kreisel.data.facts import impossible_units, unit_doubts
+from kreisel.data.facts import clock_of
+from kreisel.data.frames import WORLDS, from_enu_flu, to_enu_flu
 from kreisel.data.recording import ImuRecording
+from kreisel.data.trial import Trial
+from kreisel.files.doors import format_names, write
 
 HELP = "attitude from IMU data, by one of the filters"
 
+SCHEMA = "kreisel.estimate/1"
 FILTERS = "kreisel.estimate.filters"
 
 _EXAMPLES = """\
 examples:
   kreisel estimate imu.csv -o attitude.tum
-  kreisel estimate imu.csv -o attitude.npz --filter dcm --set mode=6 --set accel_time=3
-  kreisel estimate trial.mat -o attitude.csv --picture attitude.png
-  kreisel estimate log.csv -o attitude.csv --frame ned-frd --declination-deg 3.5
+  kreisel estimate trial.mat -o attitude.npz --mode 6
+  kreisel estimate log.csv --frame ned-frd --declination-deg 3.5 --set mag_time=30
+  kreisel estimate trial.mat --set published.weight_accel=0.02 --set published.exact=true
+  kreisel estimate 'recordings/*.csv' -o attitudes/ --to npz
 
-npz, mat and csv hold bias and flags as well, tum the attitude alone. kreisel evaluate compares with a truth.
+Without -o the summary is all that is made. TUM files hold the attitude alone; csv, npz and mat also gyro bias,
+acceleration and flags. What the filter assumes of the sensors is in its tuning: --set help lists it.
 """
 
 
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
-    add_input_arguments(parser)
-    parser.add_argument("-o", "--output", required=True, metavar="OUT", help="file for the attitude")
-    parser.add_argument("--to", metavar="FORMAT", help="its format, where the suffix does not tell")
-    names = ", ".join(discovery.names(FILTERS))
-    parser.add_argument("--filter", default="dcm", metavar="NAME", help=f"one of: {names} (default: dcm)")
+    add_input_arguments(parser, many=True)
+    parser.add_argument(
+        "--filter", default="dcm", metavar="NAME", help=f"{', '.join(_names())} (default: dcm)"
+    )
+    parser.add_argument(
+        "--mode",
+        help="auto: with the magnetometer where there is one (default); 9: insist on it; 6: without it; "
+        "gyro: the gyroscope alone after the start",
+    )
     parser.add_argument(
         "--set",
         action="append",
-        metavar="NAME=VALUE",
-        help="a tuning parameter of the filter, in seconds, hertz and radians; may be given several times",
+        default=[],
+        metavar="KEY=VALUE",
+        help="a number of the filter's tuning, in SI units; may be given several times; --set help lists them",
     )
     parser.add_argument(
         "--declination-deg",
         type=float,
-        default=0.0,
         metavar="DEG",
-        help="how far magnetic north lies east of true north (default: 0, heading from magnetic north)",
+        help="magnetic declination, east positive: north is then true north (default 0: magnetic north)",
     )
-    parser.add_argument("--picture", metavar="PICTURE", help="draw the attitude: .png, .svg or .pdf")
-    parser.add_argument("--trust-units", action="store_true", help="go on where units look impossible")
+    parser.add_argument(
+        "--trust-units", action="store_true", help="estimate even where the numbers look like g or deg/s"
+    )
+    parser.add_argument("-o", "--output", metavar="OUT", help="file, or for several inputs folder, to write")
+    known = ", ".join(format_names(AttitudeHistory))
+    parser.add_argument(
+        "--to", metavar="FORMAT", help=f"{known} (default: by OUT's suffix, or tum in a folder)"
+    )
+    parser.add_argument(
+        "--to-frame", metavar="WORLD", help="world of the output (default: that of the input)"
+    )
+    parser.add_argument(
+        "--picture", metavar="PICTURE", help="draw the attitude: .png, .svg or .pdf; one input"
+    )
+    parser.add_argument("--json", action="store_true", help="machine-readable summary, with a schema version")
     parser.epilog = _EXAMPLES
 
 
 def run(args: Namespace) -> int:
-    """Read, check the units, estimate, write."""
-    from kreisel.data.frames import from_enu_flu
-    from kreisel.estimate.run import run as estimate
-    from kreisel.files.doors import write
+    """Read, check, estimate, write, sum up; the first file that is not sound ends the command."""
+    from kreisel.estimate.run import run as estimated
 
-    filter = _filter(args)
-    recording = read_input(args, kind="imu")
-    assert isinstance(recording, ImuRecording)  # the kind asked for
-    check_units(recording, args.input, args.trust_units)
-    started = time.perf_counter()
-    answer = estimate(filter, recording)
-    seconds = time.perf_counter() - started
-    write(Path(args.output), from_enu_flu(answer, args.frame), args.to)
-    if args.picture is not None:
-        from kreisel import show
-
-        show.save(show.plot_attitude(answer), args.picture)
-    mag = "with" if recording.mag_uT is not None else "without"
-    print(f"{args.input}: {len(recording)} samples {mag} magnetometer; {args.filter} took {seconds:.2f} s")
-    print("\n".join(_remarks(answer)))
-    print(f"{args.output}: attitude of the sensor in {args.frame}")
+    if "help" in args.set:
+        print(_tuning_help(args.filter))
+        return 0
+    world = choice("--to-frame", args.to_frame or args.frame, tuple(WORLDS))
+    filter, paths = _filter(args), _paths(args.input)
+    outputs = _outputs(args, paths)
+    files = []
+    for path, output in zip(paths, outputs, strict=True):
+        content = read_content(args, path)
+        recording = _recording(path, content, args)
+        attitude = estimated(filter, recording)
+        if output is not None:
+            write(output, from_enu_flu(attitude, world), args.to)
+        if args.picture is not None:
+            _draw(attitude, args.picture)
+        files.append(_summary(path, output, recording, attitude, is_trial=isinstance(content, Trial)))
+    if args.json:
+        print(json.dumps({"schema": SCHEMA, "filter": _described(args), "files": files}, indent=2))
+    else:
+        print("\n".join(_told(args, files)), file=summary_stream(args.output or ""))
     return 0
 
 
+def _draw(attitude: AttitudeHistory, picture: str) -> None:
+    from kreisel import show
+
+    show.save(show.plot_attitude(attitude), picture)
+
+
+def _names() -> list[str]:
+    return [name.replace("_", "-") for name in discovery.names(FILTERS)]
+
+
+def _make(name: str) -> Any:
+    return discovery.load(FILTERS, choice("--filter", name, _names()).replace("-", "_")).FILTER
+
+
 def _filter(args: Namespace) -> Any:
-    """The filter that --filter, --set and --declination-deg describe."""
+    """The filter with the tuning asked for, each key and value checked."""
     from kreisel.study.signature import Place, call
 
-    names = [name.replace("_", "-") for name in discovery.names(FILTERS)]
-    make = discovery.load(FILTERS, choice("--filter", args.filter, names).replace("-", "_")).FILTER
-    texts = {field.name for field in fields(make) if isinstance(field.default, str)}
-    tuning = parse_settings(args.set or [], texts)
-    if args.declination_deg and any(field.name == "declination" for field in fields(make)):
-        tuning.setdefault("declination", float(np.deg2rad(args.declination_deg)))
+    make = _make(args.filter)
+    tuning = parse_settings(
+        args.set, {field.name for field in fields(make) if isinstance(field.default, str)}
+    )
+    if args.mode is not None:
+        tuning["mode"] = args.mode
+    if args.declination_deg is not None:
+        tuning["declination"] = math.radians(args.declination_deg)
     return call(make, tuning, Place("--set"))
 
 
 def parse_settings(pairs: Sequence[str], texts: Collection[str] = ()) -> dict[str, Any]:
-    """{"mode": "6", "accel_time": 3.0} from ["mode=6", "accel_time=3.0"]: values as in TOML, or bare words.
+    """{"mode": "6", "published": {"exact": True}} from ["mode=6", "published.exact=true"].
 
+    Values are those of TOML, or bare words.
     texts : names whose value is a text even where it looks like a number.
     """
-    import tomllib
-
     settings: dict[str, Any] = {}
     for pair in pairs:
         name, equals, value = (part.strip() for part in pair.partition("="))
-        if not name or not equals or not value:
+        *tables, last = name.split(".")
+        if not equals or not value or not all([*tables, last]):
             raise ValueError(f"--set takes NAME=VALUE, such as --set accel_time=3; got {pair!r}.")
-        try:
-            parsed = tomllib.loads(f"value = {value}")["value"]
-        except tomllib.TOMLDecodeError:
-            parsed = value
-        settings[name] = value if name in texts and not isinstance(parsed, str) else parsed
+        inner = settings
+        for table in tables:
+            inner = inner.setdefault(table, {})
+            if not isinstance(inner, dict):
+                raise ValueError(f"--set {pair}: {table} has a value already.")
+        parsed = _value(value)
+        inner[last] = value if name in texts and not isinstance(parsed, str) else parsed
     return settings
 
 
-def check_units(recording: ImuRecording, path: str, trusted: bool) -> None:
-    """Refuse impossible units unless trusted; doubtful ones are a note on stderr."""
-    impossible = impossible_units(recording)
-    if impossible and not trusted:
+def _value(text: str) -> Any:
+    import tomllib
+
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text
+
+
+def _tuning_help(name: str) -> str:
+    """The tuning of a filter as its class declares it, comments and all."""
+    import inspect
+
+    make = _make(name)
+    lines = [line.strip() for line in inspect.getsource(make).splitlines()]
+    keys = tuple(f"{field}:" for field in inspect.signature(make).parameters)
+    return "\n".join(line for line in lines if line.startswith(keys))
+
+
+def _paths(given: Sequence[str]) -> list[str]:
+    """The files given, patterns replaced by the files they fit."""
+    paths = []
+    for text in given:
+        found = [text] if Path(text).exists() or not glob.has_magic(text) else sorted(glob.glob(text))
+        if not found:
+            raise ValueError(f"no file fits {text!r}.")
+        paths += found
+    return list(dict.fromkeys(paths))
+
+
+def _outputs(args: Namespace, paths: Sequence[str]) -> list[Path | None]:
+    """Where the attitude of each input goes: a file, or files named like the inputs in a folder."""
+    if args.to is not None:
+        choice("--to", args.to, format_names(AttitudeHistory))
+    if args.picture is not None and len(paths) > 1:
+        raise ValueError(f"--picture is for one input; got {len(paths)}.")
+    if args.output is None:
+        return [None] * len(paths)
+    place = Path(args.output)
+    if len(paths) == 1 and not place.is_dir() and not args.output.endswith("/"):
+        outputs = [place]
+    else:
+        if place.exists() and not place.is_dir():
+            raise ValueError(f"-o must be a folder for {len(paths)} inputs; {place} is a file.")
+        place.mkdir(parents=True, exist_ok=True)
+        outputs = [place / f"{Path(path).stem}.{args.to or 'tum'}" for path in paths]
+    for path, output in zip(paths, outputs, strict=True):
+        if outputs.count(output) > 1:
+            raise ValueError(
+                f"two inputs would be written to {output}. Estimate them into folders of their own."
+            )
+        if output.exists() and output.samefile(path) and output.is_file():
+            raise ValueError(f"-o {output} is the input itself. Choose another name.")
+    return list(outputs)
+
+
+def _recording(path: str, content: Any, args: Namespace) -> ImuRecording:
+    """The IMU's part in our axes; units that cannot be are refused unless they are trusted."""
+    data = content.recording if isinstance(content, Trial) else content
+    if not isinstance(data, ImuRecording):
         raise ValueError(
-            f"{path}: {impossible[0]} Give its unit (--column), convert it, or insist with --trust-units."
+            f"{path} holds {type(data).__name__}, not an IMU recording. Say --kind imu if it has both."
         )
-    for doubt in unit_doubts(recording):
-        sys.stderr.write(f"kreisel: note: {path}: {doubt}\n")
+    recording = to_enu_flu(data, args.frame)
+    check_units(recording, path, args.trust_units)
+    return recording
 
 
-def _remarks(answer: AttitudeHistory) -> list[str]:
-    """What a person would want to know about the answer at once."""
-    lines = []
-    flags = {"at rest": answer.rest, "magnetometer not trusted": answer.disturbed, "held": answer.held}
-    shares = [f"{text} {np.mean(flag):.0%}" for text, flag in flags.items() if flag is not None]
-    if shares:
-        lines.append(f"  of the time: {', '.join(shares)}")
-    if answer.gyro_bias is not None:
-        bias = ", ".join(f"{b:.3f}" for b in np.rad2deg(answer.gyro_bias[-1]))
-        lines.append(f"  gyro bias at the end: ({bias}) deg/s")
-    return lines
+def _summary(
+    path: str, output: Path | None, recording: ImuRecording, attitude: AttitudeHistory, is_trial: bool
+) -> dict[str, Any]:
+    clock = clock_of(attitude.t, attitude.t0_ns)
+    shares = {name: getattr(attitude, name) for name in ("rest", "disturbed", "held")}
+    bias = attitude.gyro_bias
+    return {
+        "file": path,
+        "output": None if output is None else str(output),
+        "samples": clock.rows,
+        "span_s": clock.span,
+        "rate_hz": clock.rate_hz if clock.rows > 1 else None,
+        "magnetometer": recording.mag_uT is not None,
+        **{f"{name}_share": None if flag is None else float(np.mean(flag)) for name, flag in shares.items()},
+        "gyro_bias_deg_s": None if bias is None else np.degrees(bias[-1]).tolist(),
+        "has_reference": is_trial,
+    }
+
+
+def _described(args: Namespace) -> dict[str, Any]:
+    return {
+        "name": args.filter,
+        "mode": args.mode,
+        "set": args.set,
+        "declination_deg": args.declination_deg or 0.0,
+    }
+
+
+def _told(args: Namespace, files: Sequence[dict[str, Any]]) -> list[str]:
+    """The summary, with what to do next."""
+    from kreisel.cli.tables import plain
+
+    north = "true" if args.declination_deg is not None else "magnetic"
+    tuning = "".join(f", {pair}" for pair in args.set)
+    header = [
+        "recording",
+        "samples",
+        "span, s",
+        "rate, Hz",
+        "at rest",
+        "disturbed",
+        "held",
+        "gyro bias, deg/s",
+    ]
+    lines = [f"{args.filter}, mode {args.mode or 'auto'}{tuning}; north is {north} north", ""]
+    lines += [*plain(header, [_row(file) for file in files]), ""]
+    if args.output is None:
+        lines.append("nothing written: -o attitude.tum keeps the attitude")
+    else:
+        lines.append(
+            f"written: {f'{len(files)} files in {args.output}' if len(files) > 1 else files[0]['output']}"
+        )
+    return [*lines, "next: " + _next(files[0])]
+
+
+def _row(file: dict[str, Any]) -> list[str]:
+    shares = [file[f"{name}_share"] for name in ("rest", "disturbed", "held")]
+    if not file["magnetometer"]:
+        shares[1] = None
+    bias = file["gyro_bias_deg_s"]
+    return [
+        file["file"],
+        str(file["samples"]),
+        f"{file['span_s']:.4g}",
+        "-" if file["rate_hz"] is None else f"{file['rate_hz']:.4g}",
+        *("-" if share is None else f"{100.0 * share:.3g} %" for share in shares),
+        "-" if bias is None else " ".join(f"{x:+.3f}" for x in bias),
+    ]
+
+
+def _next(file: dict[str, Any]) -> str:
+    truth = file["file"] if file["has_reference"] else "TRUTH"
+    return f"kreisel evaluate {truth} {file['output'] or 'attitude.tum'} -o report/"

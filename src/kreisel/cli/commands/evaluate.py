@@ -7,8 +7,9 @@ import math
 import sys
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from dataclasses import asdict
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from kreisel.cli.outputs import Output, output_folder, picture, write_json, write_outputs
 
 if TYPE_CHECKING:
     from kreisel.data.attitude import AttitudeHistory
@@ -64,7 +65,9 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--limit-deg", type=float, default=5.0, metavar="DEG", help="total error that is converged (5)"
     )
-    parser.add_argument("-o", "--output", metavar="FOLDER", help="folder for pictures and summary.json")
+    parser.add_argument(
+        "-o", "--output", type=output_folder, metavar="FOLDER", help="folder for pictures and summary.json"
+    )
     parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
     for name, text in _LIMITS.items():
         parser.add_argument(
@@ -93,7 +96,10 @@ def run(args: Namespace) -> int:
         "summary": asdict(summary),
         "limits": limits,
     }
-    files = [] if args.output is None else _write(Path(args.output), report, truth, estimate, errors, args)
+    files = []
+    if args.output is not None:
+        outputs = _outputs(truth, estimate, args.limit_deg)
+        files = write_outputs(args.output, outputs, (report, errors))
     if args.json:
         print(json.dumps(report, indent=2, allow_nan=False))
     else:
@@ -195,33 +201,26 @@ def _sentences(summary: Summary) -> list[str]:
     return lines
 
 
-def _write(
-    folder: Path,
-    report: dict[str, Any],
-    truth: Truth,
-    estimate: AttitudeHistory,
-    errors: AttitudeErrors,
-    args: Namespace,
-) -> list[str]:
-    """Write summary and pictures; one line for each."""
+def _outputs(
+    truth: Truth, estimate: AttitudeHistory, limit_deg: float
+) -> list[Output[tuple[dict[str, Any], AttitudeErrors]]]:
+    """The files of a report and the errors behind it."""
     from kreisel import show
-    from kreisel.cli.outputs import make_folder
-    from kreisel.files.atomic import replacing
 
-    make_folder(folder)
-    with replacing(folder / "summary.json") as out:
-        out.write((json.dumps(report, indent=2, allow_nan=False) + "\n").encode())
-    show.save(show.plot_attitude(estimate, truth), folder / "attitude.png")
-    show.save(show.plot_attitude_errors(errors, args.limit_deg), folder / "errors.png")
-    lines = [
-        f"{folder / 'summary.json'}  all numbers, for programs",
-        f"{folder / 'attitude.png'}  the attitude, over the truth",
-        f"{folder / 'errors.png'}  total, heading and inclination error over time",
+    outputs: list[Output[tuple[dict[str, Any], AttitudeErrors]]] = [
+        Output("summary.json", "all numbers, for programs", lambda made, path: write_json(made[0], path)),
+        picture(
+            "attitude.png", "the attitude, over the truth", lambda made: show.plot_attitude(estimate, truth)
+        ),
+        picture(
+            "errors.png",
+            "total, heading and inclination error over time",
+            lambda made: show.plot_attitude_errors(made[1], limit_deg),
+        ),
     ]
     if estimate.gyro_bias is not None:
-        show.save(_bias(estimate, truth), folder / "bias.png")
-        lines.append(f"{folder / 'bias.png'}  the estimated gyro bias")
-    return lines
+        outputs.append(picture("bias.png", "the estimated gyro bias", lambda made: _bias(estimate, truth)))
+    return outputs
 
 
 def _bias(estimate: AttitudeHistory, truth: Truth) -> Any:

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
-import json
 import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kreisel.cli.outputs import aligned, check_names, describe_notes, write_simulation
-from kreisel.files.atomic import replacing
+from kreisel.cli.outputs import (
+    Output,
+    aligned,
+    check_outputs,
+    describe_notes,
+    output_folder,
+    picture,
+    simulation_outputs,
+    write_json,
+    write_outputs,
+)
 from kreisel.files.doors import write
 
 if TYPE_CHECKING:
@@ -34,7 +42,9 @@ def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument("scenario", metavar="SCENARIO", help="TOML file with the scenario")
     either = parser.add_mutually_exclusive_group(required=True)
-    either.add_argument("-o", "--output", metavar="FOLDER", help="folder for what is made")
+    either.add_argument(
+        "-o", "--output", metavar="FOLDER", type=output_folder, help="folder for what is made"
+    )
     either.add_argument("--dry-run", action="store_true", help="check the scenario and write nothing")
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.epilog = _EXAMPLES
@@ -47,16 +57,16 @@ def run(args: Namespace) -> int:
 
     started = time.perf_counter()
     scenario = Scenario.load(args.scenario)
-    check_names([imu.name for imu in scenario.imus])
+    outputs = _outputs(scenario, pictures=not args.no_pictures)
+    check_outputs(args.output or Path(), outputs)
     if args.dry_run:
         t = build(scenario).t
         print(f"{args.scenario}: sound; {len(t)} samples from {t[0]:.6g} to {t[-1]:.6g} s, nothing written")
         return 0
     from kreisel.study.run import run as run_scenario
 
-    folder = Path(args.output)
     result = run_scenario(scenario)
-    lines = _write(folder, result, pictures=not args.no_pictures)
+    lines = write_outputs(args.output, outputs, result)
     print("\n".join(_described(scenario, result)))
     print("\n".join(f"  {line}" for line in describe_notes(result.motion.notes)))
     print(errors_table(result.estimates))
@@ -101,40 +111,49 @@ def errors_table(estimates: Sequence[Estimate]) -> str:
     return "attitude errors in deg, root mean square and largest total:\n  " + "\n  ".join(table)
 
 
-def _write(folder: Path, result: Result, pictures: bool) -> list[str]:
-    """Write everything; the lines of a summary that names each file."""
-    lines = write_simulation(folder, result.motion, result.mounts, result.recordings, pictures=pictures)
-    for estimate in result.estimates:
-        lines += _write_estimate(folder, estimate)
-        if pictures:
-            lines += _draw_estimate(folder, result, estimate)
-    with replacing(folder / "report.json") as out:
-        out.write((json.dumps(result.report(), indent=2, allow_nan=False) + "\n").encode())
-    return [*lines, f"{folder / 'report.json'}  the scenario and all errors, for programs"]
-
-
-def _stem(estimate: Estimate) -> str:
-    return f"attitude-{estimate.imu}-{estimate.filter}".replace(" ", "-")
-
-
-def _write_estimate(folder: Path, estimate: Estimate) -> list[str]:
-    stem = _stem(estimate)
-    write(folder / f"{stem}.tum", estimate.attitude)
-    write(folder / f"{stem}.npz", estimate.attitude)
-    return [
-        f"{folder / stem}.tum  attitude of {estimate.imu} by filter {estimate.filter!r}, as evo and others read it",
-        f"{folder / stem}.npz  the same with bias and flags, for numpy.load",
+def _outputs(scenario: Scenario, pictures: bool) -> list[Output[Result]]:
+    """Every file that a run of `scenario` writes."""
+    imus = [imu.name for imu in scenario.imus]
+    magnetometer = scenario.environment.field_N_uT is not None
+    outputs: list[Output[Result]] = [
+        *simulation_outputs(imus, magnetometer=magnetometer, pictures=pictures),
+        Output(
+            "report.json",
+            "the scenario and all errors, for programs",
+            lambda made, path: write_json(made.report(), path),
+        ),
     ]
+    pairs = [(imu, filter.name) for imu in imus for filter in scenario.filters]
+    for k, (imu, filter) in enumerate(pairs):
+        outputs += _estimate_outputs(k, imu, filter, pictures)
+    return outputs
 
 
-def _draw_estimate(folder: Path, result: Result, estimate: Estimate) -> list[str]:
+def _estimate_outputs(k: int, imu: str, filter: str, pictures: bool) -> list[Output[Result]]:
+    """The files of estimate number `k`."""
+    stem = f"attitude-{imu}-{filter}".replace(" ", "-")
+
+    def attitude(made: Result, path: Path) -> None:
+        write(path, made.estimates[k].attitude)
+
+    data: list[Output[Result]] = [
+        Output(f"{stem}.tum", f"attitude of {imu} by filter {filter!r}, as evo and others read it", attitude),
+        Output(f"{stem}.npz", f"attitude of {imu} by filter {filter!r} with bias and flags", attitude),
+    ]
+    return [*data, *_estimate_pictures(k, imu, stem)] if pictures else data
+
+
+def _estimate_pictures(k: int, imu: str, stem: str) -> list[Output[Result]]:
     from kreisel import show
 
-    stem = _stem(estimate)
-    mount = next(mount for mount in result.mounts if mount.name == estimate.imu)
-    show.save(show.plot_attitude(estimate.attitude, result.motion.at(mount)), folder / f"{stem}.png")
-    show.save(show.plot_attitude_errors(estimate.errors), folder / f"{stem}-errors.png")
+    def over_truth(made: Result) -> Any:
+        mount = next(mount for mount in made.mounts if mount.name == imu)
+        return show.plot_attitude(made.estimates[k].attitude, made.motion.at(mount))
+
+    def errors(made: Result) -> Any:
+        return show.plot_attitude_errors(made.estimates[k].errors)
+
     return [
-        f"{folder / stem}.png  the attitude, over the truth",
-        f"{folder / stem}-errors.png  heading and inclination error over time",
+        picture(f"{stem}.png", "the attitude, over the truth", over_truth),
+        picture(f"{stem}-errors.png", "heading and inclination error over time", errors),
     ]

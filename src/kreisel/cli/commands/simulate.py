@@ -4,16 +4,26 @@ from __future__ import annotations
 
 import time
 from argparse import ArgumentParser, Namespace
-from pathlib import Path
 
 import numpy as np
 
 from kreisel.cli.inputs import add_input_arguments, read_input
-from kreisel.cli.outputs import aligned, describe_notes, describe_round_trip, write_simulation
-from kreisel.data.checks import choice
-from kreisel.data.frames import WORLDS
+from kreisel.cli.outputs import (
+    Simulation,
+    aligned,
+    check_outputs,
+    describe_notes,
+    describe_round_trip,
+    output_folder,
+    simulation_outputs,
+    write_outputs,
+)
+from kreisel.data.checks import choice, file_name
+from kreisel.data.frames import WORLDS, to_enu_flu
 from kreisel.data.motion import Mount
+from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses, even_times
+from kreisel.files.doors import format_names
 
 HELP = "IMU data of a body that moves along the poses in a file"
 
@@ -30,13 +40,15 @@ examples:
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     add_input_arguments(parser)
-    parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="folder for what is made")
+    parser.add_argument(
+        "-o", "--output", required=True, type=output_folder, metavar="FOLDER", help="folder for what is made"
+    )
     parser.add_argument(
         "--imu",
         action="append",
         metavar="[NAME:]X,Y,Z[:RX,RY,RZ]",
-        help="lever arm from the body's origin in m, body axes, and turn of the sensor about x, y, z in deg "
-        "(z-y-x); may be given several times",
+        help="lever arm from the body's origin in m and turn of the sensor about x, y, z in deg (z-y-x), both in "
+        "the body axes of the input's world (--frame): z is down in ned-frd; may be given several times",
     )
     parser.add_argument("--rate", type=float, metavar="HZ", help="IMU rate (default: the times of the poses)")
     parser.add_argument(
@@ -44,7 +56,12 @@ def configure(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--orientation", help="tangent or transport, in place of the file's attitude")
     parser.add_argument("--to-frame", default="enu-flu", help=f"world of the output: {', '.join(WORLDS)}")
-    parser.add_argument("--imu-format", default="csv", help="csv (default), npz, mat or euroc-imu")
+    parser.add_argument(
+        "--imu-format",
+        default="csv",
+        metavar="FORMAT",
+        help=f"{', '.join(format_names(ImuRecording))} (default: csv)",
+    )
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.add_argument("--animation", action="store_true", help="also write motion.gif")
     parser.add_argument(
@@ -62,23 +79,24 @@ def run(args: Namespace) -> int:
 
     started = time.perf_counter()
     choice("--to-frame", args.to_frame, tuple(WORLDS))
-    mounts = [parse_mount(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
-    if len({m.name for m in mounts}) < len(mounts):
-        raise ValueError("two IMUs share a name; write --imu NAME:X,Y,Z with different names.")
-    poses = read_input(args, kind="poses")
-    assert isinstance(poses, Poses)  # the kind asked for
-    trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method)
-    motion = trajectory.sample(None if args.rate is None else even_times(*trajectory.span, args.rate))
-    lines = write_simulation(
-        Path(args.output),
-        motion,
-        mounts,
-        [Imu(mount).ideal(motion) for mount in mounts],
+    choice("--frame", args.frame, tuple(WORLDS))
+    choice("--imu-format", args.imu_format, format_names(ImuRecording))
+    given = [parse_mount(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
+    mounts = [to_enu_flu(mount, args.frame) for mount in given]
+    outputs = simulation_outputs(
+        [mount.name for mount in mounts],
         world=args.to_frame,
         imu_format=args.imu_format,
         pictures=not args.no_pictures,
         animation=args.animation,
     )
+    check_outputs(args.output, outputs)
+    poses = read_input(args, kind="poses")
+    assert isinstance(poses, Poses)  # the kind asked for
+    trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method)
+    motion = trajectory.sample(None if args.rate is None else even_times(*trajectory.span, args.rate))
+    made = Simulation(motion, mounts, [Imu(mount).ideal(motion) for mount in mounts])
+    lines = write_outputs(args.output, outputs, made)
     span = motion.t[-1] - motion.t[0]
     print(f"{args.input}: {len(poses)} poses over {span:.4g} s -> {len(motion)} IMU samples, ideal sensor")
     print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
@@ -95,12 +113,15 @@ def parse_mount(text: str, number: int = 0) -> Mount:
     from kreisel.maths.rotations import matrix_from_euler
 
     parts = text.split(":")
-    named = bool(parts) and not _is_vector(parts[0])
+    named = not _is_vector(parts[0])
     name = parts.pop(0) if named else ("imu" if number == 0 else f"imu{number + 1}")
-    if not 1 <= len(parts) <= 2 or not all(map(_is_vector, parts)) or not name or set(name) & set("/\\"):
+    if not 1 <= len(parts) <= 2 or not all(map(_is_vector, parts)):
         raise ValueError(f"--imu takes [NAME:]X,Y,Z[:RX,RY,RZ], such as wrist:0.02,0,0.05; got {text!r}.")
     p_BS, *turn = (np.array([float(x) for x in part.split(",")]) for part in parts)
-    return Mount(p_BS, matrix_from_euler(np.deg2rad(turn[0])) if turn else np.eye(3), name)
+    if not np.isfinite([p_BS, *turn]).all():
+        raise ValueError(f"--imu takes finite numbers; got {text!r}.")
+    R_BS = matrix_from_euler(np.deg2rad(turn[0])) if turn else np.eye(3)
+    return Mount(p_BS, R_BS, file_name("the NAME of --imu", name))
 
 
 def _is_vector(text: str) -> bool:

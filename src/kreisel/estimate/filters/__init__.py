@@ -5,7 +5,7 @@ The name a user types is the file name with dashes.
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -26,7 +26,10 @@ HELD = 4  # the gyro's sample is missing, or nothing has shown yet which way is 
 
 
 class AttitudeFilter(Protocol):
-    """A frozen dataclass of tuning, in seconds and hertz rather than gains; a module offers it as FILTER."""
+    """A frozen dataclass of tuning, in seconds and hertz rather than gains; a module offers it as FILTER.
+
+    Beside FILTER stands STATE_VERSION, a number raised whenever places of the state change their meaning.
+    """
 
     @property
     def needs_mag(self) -> bool:
@@ -49,7 +52,42 @@ class AttitudeFilter(Protocol):
         ...
 
     def batch(
-        self, state: Array, parameters: Array, t: Array, gyro: Array, accel: Array, mag: Array, answers: Array
+        self,
+        state: Array,
+        parameters: Array,
+        t: Array,
+        gyro: Array,
+        accel: Array,
+        mag: Array,
+        first: int,
+        answers: Array,
     ) -> None:
-        """The same through all samples, t (n,) s and the others (n, 3); the answers go into (n, ANSWER)."""
+        """The same through the samples from `first` on, as many as answers (m, ANSWER) has rows.
+
+        t (n,) s and the others (n, 3) are whole: the first step's dt is that to the sample before.
+        """
+        ...
+
+
+@runtime_checkable
+class LaneFilter(Protocol):
+    """An AttitudeFilter that can also take several recordings abreast, in the lanes of vector instructions."""
+
+    @property
+    def lanes(self) -> int:
+        """How many; 1 where this tuning cannot."""
+        ...
+
+    def batch_of_lanes(
+        self,
+        states: Array,
+        parameters: Array,
+        t: Array,
+        gyro: Array,
+        accel: Array,
+        mag: Array,
+        first: int,
+        answers: Array,
+    ) -> None:
+        """`batch` for so many states (lanes, STATE) with the same bits; all else has the lanes in front as well."""
         ...

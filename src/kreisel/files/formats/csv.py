@@ -10,7 +10,7 @@ from typing import BinaryIO
 import numpy as np
 
 from kreisel.data.attitude import AttitudeHistory, Mask, Reference
-from kreisel.data.checks import Array
+from kreisel.data.checks import Array, radians
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
@@ -40,7 +40,7 @@ from kreisel.maths.rotations import (
 SUFFIX = ".csv"
 HOLDS = (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
 OPTIONS = frozenset({"columns", "rate_hz"})
-KEEPS = "every bit of every number; attitude as a quaternion, to 1e-15"
+KEEPS = "every bit of every number, epoch stamps to the nanosecond; attitude as a quaternion, to 1e-15"
 
 _DIGITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}
 _MOTION = ("p", "v", "a", "omega", "alpha")
@@ -257,7 +257,9 @@ def _noun(kind: str, file: TextFile, t: Array, t0_ns: int, columns: dict[str, Ar
 def _attitude(file: TextFile, columns: Mapping[str, Array]) -> Array | None:
     if "q" in columns:
         return matrix_from_quat_wxyz(checked_quaternions(file, columns["q"], "q_w ... q_z"))
-    return matrix_from_euler(columns["phi"]) if "phi" in columns else None
+    if "phi" not in columns:
+        return None
+    return matrix_from_euler(radians(f"{file.path}, columns phi_x ... phi_z", columns["phi"]))
 
 
 def _flags(file: TextFile, values: Array, column: str) -> Mask:

@@ -17,11 +17,9 @@ from kreisel.data.trajectory import Poses
 from kreisel.files.formats import Noun, ReadOptions
 from kreisel.files.stamps import to_nanoseconds
 from kreisel.files.text import (
-    checked_clock,
-    checked_finite,
     checked_quaternions,
     first_rows,
-    load,
+    load_timed,
     read_text,
     starts_with_nanoseconds,
     write_rows,
@@ -57,11 +55,7 @@ def read(path: Path, options: ReadOptions) -> Poses:
         raise file.error(0, f"EuRoC poses have {WIDTHS} columns between commas; this line has {width}.")
     names = [name for group in NAMES for name in group][:width] + ["bias"] * max(0, width - 11)
     # The biases stand beyond column 11: an estimate of another kind, for which Poses has no place.
-    use = range(1, min(width, 11))
-    stamps, values = load(file, ",", names, 0, use)
-    assert stamps is not None
-    t, t0_ns = checked_clock(file, stamps, 0, names[0])
-    checked_finite(file, values, names[1:])
+    t, t0_ns, values = load_timed(file, ",", names, range(1, min(width, 11)), digits=0)
     R_NB = None
     if width > 4:
         R_NB = matrix_from_quat_wxyz(checked_quaternions(file, values[:, 3:7], "q_RS_w ... q_RS_z"))

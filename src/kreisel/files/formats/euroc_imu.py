@@ -11,10 +11,8 @@ from kreisel.data.recording import ImuRecording
 from kreisel.files.formats import Noun, ReadOptions
 from kreisel.files.stamps import to_nanoseconds
 from kreisel.files.text import (
-    checked_clock,
-    checked_finite,
     first_rows,
-    load,
+    load_timed,
     read_text,
     starts_with_nanoseconds,
     write_rows,
@@ -41,10 +39,7 @@ def sniff(head: bytes) -> bool:
 def read(path: Path, options: ReadOptions) -> ImuRecording:
     """Rates and specific forces in the sensor's axes; a row with nan is a missing sample."""
     file = read_text(path)
-    stamps, values = load(file, ",", NAMES, 0, range(1, 7))
-    assert stamps is not None
-    t, t0_ns = checked_clock(file, stamps, 0, NAMES[0])
-    checked_finite(file, values, NAMES[1:], nan_ok=True)
+    t, t0_ns, values = load_timed(file, ",", NAMES, range(1, 7), digits=0, nan_ok=True)
     gyro, accel = np.ascontiguousarray(values[:, :3]), np.ascontiguousarray(values[:, 3:])
     return ImuRecording(t, gyro, accel, t0_ns=t0_ns, name=path.stem)
 

@@ -19,10 +19,9 @@ from kreisel.files.text import (
     TextFile,
     checked_clock,
     checked_finite,
-    first_rows,
-    is_number,
     load,
     read_text,
+    starts_with_numbers,
     write_rows,
 )
 
@@ -38,9 +37,7 @@ NAMES = tuple(
 
 def sniff(head: bytes) -> bool:
     """Twelve numbers between blanks."""
-    _, rows = first_rows(head)
-    fields = rows[0].split() if rows else []
-    return len(fields) == len(NAMES) and all(map(is_number, fields))
+    return starts_with_numbers(head, len(NAMES))
 
 
 def read(path: Path, options: ReadOptions) -> Poses:

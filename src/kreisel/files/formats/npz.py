@@ -19,6 +19,7 @@ from kreisel.files.formats import Noun, ReadOptions
 SUFFIX = ".npz"
 HOLDS = (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
 OPTIONS = frozenset({"rate_hz"})
+_NPY = b"\x93NUMPY"
 KEEPS = "every bit of every field"
 
 
@@ -29,6 +30,11 @@ def sniff(head: bytes) -> bool:
 
 def read(path: Path, options: ReadOptions) -> Noun:
     """The noun named in the archive's schema, or what its array names suggest."""
+    with path.open("rb") as stream:
+        if stream.read(len(_NPY)) == _NPY:
+            raise ValueError(
+                f"{path} is one bare array (.npy), not an archive of named ones. Save those with numpy.savez."
+            )
     try:
         with np.load(path, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}

@@ -17,13 +17,10 @@ from kreisel.data.trajectory import Poses
 from kreisel.files.formats import Noun, ReadOptions
 from kreisel.files.stamps import seconds_text
 from kreisel.files.text import (
-    checked_clock,
-    checked_finite,
     checked_quaternions,
-    first_rows,
-    is_number,
-    load,
+    load_timed,
     read_text,
+    starts_with_numbers,
     write_rows,
 )
 from kreisel.maths.rotations import matrix_from_quat_wxyz, quat_wxyz_from_matrix
@@ -39,18 +36,13 @@ NAMES = ("timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw")
 
 def sniff(head: bytes) -> bool:
     """Eight numbers between blanks."""
-    _, rows = first_rows(head)
-    fields = rows[0].split() if rows else []
-    return len(fields) == len(NAMES) and all(map(is_number, fields))
+    return starts_with_numbers(head, len(NAMES))
 
 
 def read(path: Path, options: ReadOptions) -> Poses | AttitudeHistory:
     """Positions and attitudes as the file has them: TUM names no frame and no direction of up."""
     file = read_text(path)
-    stamps, values = load(file, None, NAMES, 0, range(1, 8))
-    assert stamps is not None
-    t, t0_ns = checked_clock(file, stamps, 9, NAMES[0])
-    checked_finite(file, values, NAMES[1:])
+    t, t0_ns, values = load_timed(file, None, NAMES, range(1, 8), digits=9)
     q_wxyz = checked_quaternions(file, values[:, [6, 3, 4, 5]], "qx ... qw")
     R = matrix_from_quat_wxyz(q_wxyz)
     if ATTITUDE_ONLY in file.comments:

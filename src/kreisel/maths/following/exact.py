@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel.maths.following.heading import Span, one_sided, settled
-from kreisel.maths.following.joints import RATE, TURN, brackets, suspects
+from kreisel.maths.following.joints import PARTS, RATE, TURN, brackets, suspects
 from kreisel.maths.following.tangent import (
     AFTER,
     BEFORE,
@@ -23,6 +23,8 @@ from kreisel.maths.following.tangent import (
 )
 
 BLOCK = 32768  # rows at once: bounds the memory, and leaves the cost of a call far behind
+
+WIDER = 8  # doublings of a bracket whose ends were looked at too coarsely to hold the turn itself
 
 
 class Joints(NamedTuple):
@@ -107,8 +109,32 @@ def _joints(path: Path, t: Array, ends: npt.NDArray[np.intp], span: Span, still:
     after.R_NB[then.at_rest] = before.R_NB[then.at_rest]
     joints = Joints(0.5 * (left + right), before, after)
     real = (joints.turns > TURN) | (joints.rate_steps > RATE)
-    return Joints(joints.t[real], _rows(before, real), _rows(after, real))
+    joints = Joints(joints.t[real], _rows(before, real), _rows(after, real))
+    return joints._replace(t=_moments(path, joints, left[real], right[real], span, still))
+
+
+def _moments(path: Path, joints: Joints, left: Array, right: Array, span: Span, still: Stillness) -> Array:
+    """When the body turns, in brackets that hold more than an instant: those of slow stops and beginnings."""
+    for k in np.flatnonzero((right - left > 1e-6) & (joints.turns > TURN)).tolist():
+        low, high = left[k], right[k]
+        for _ in range(WIDER):
+            if not _turned(path, joints, k, np.array([low]), span, still)[0]:
+                break
+            low = max(2.0 * low - high, span[0])
+        while high - low > 1e-9:
+            looks = np.linspace(low, high, PARTS + 1)
+            first = max(int(np.argmax(_turned(path, joints, k, looks, span, still))), 1)
+            low, high = looks[first - 1], looks[first]
+        joints.t[k] = high
+    return joints.t
 
 
 def _rows(attitude: Attitude, mask: Mask) -> Attitude:
     return Attitude(*(column[mask] for column in attitude))
+
+
+def _turned(path: Path, joints: Joints, k: int, t: Array, span: Span, still: Stillness) -> Mask:
+    """Whether at times t the body lies as after joint k rather than as before it."""
+    R = one_sided(path, t, AFTER, span, still).attitude.R_NB
+    before, after = (np.linalg.norm(R - side.R_NB[k], axis=(1, 2)) for side in (joints.before, joints.after))
+    return np.asarray(after < before)

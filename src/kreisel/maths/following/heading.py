@@ -15,6 +15,7 @@ from kreisel.maths.following.tangent import (
     BEFORE,
     DERIVATIVES,
     EXACT,
+    STEEP,
     Array,
     Attitude,
     Directions,
@@ -73,11 +74,10 @@ def _what_follows(path: Path, t: Array, span: Span, still: Stillness) -> Directi
 
 
 def _from_inside(path: Path, t: Array, side: int, span: Span, still: Stillness) -> Directions:
-    derivatives = path(t, DERIVATIVES)[1:]
-    out = limits(t, derivatives, side, still)
+    out = _directions(path, t, side, span, still)
     turned = t >= span[1] if side == AFTER else t <= span[0]
     if turned.any():
-        inner = limits(t, derivatives, -side, still)
+        inner = _directions(path, t, -side, span, still)
         for column, replacement in zip(out, inner, strict=True):
             column[turned] = replacement[turned]
     return out
@@ -131,14 +131,34 @@ def _last_direction(
     when, side = (stop, BEFORE) if stop is not None else (start, AFTER)
     if when is None:
         return -np.inf, None
-    found = _directions(path, np.array([when]), side, still)
+    found = _directions(path, np.array([when]), side, span, still)
     x, y = (found.climb[0, 0], found.climb[0, 3]) if climb else (found.heading[0, 0], found.heading[0, 1])
     size = float(np.hypot(x, y))
     return (-np.inf if stop is None else stop), (float(x) / size, float(y) / size)
 
 
-def _directions(path: Path, t: Array, side: int, still: Stillness) -> Directions:
-    return limits(t, path(t, DERIVATIVES)[1:], side, still)
+def _directions(path: Path, t: Array, side: int, span: Span, still: Stillness) -> Directions:
+    """Directions on one side of times t as far as the body is seen to move along them there.
+
+    A series promises a movement where the velocity is nil. A smooth stop, like that of exp(-1 / (2 - t)),
+    promises a reversal long before its end and never keeps the promise.
+    """
+    derivatives = path(t, DERIVATIVES)[1:]
+    found, delay = limits(t, derivatives, side, still)
+    level = np.nan_to_num(found.heading[:, :2])
+    forward = found.climb[:, :1] * level
+    promises = level, np.concatenate([forward, found.climb[:, 3:4]], axis=1)
+    for promise, wait, column in zip(promises, delay.T, found, strict=True):
+        rows = np.flatnonzero((wait > 0.0) & ~np.isnan(column[:, 0]))
+        if rows.size:
+            then = np.clip(t[rows] + side * 2.0 * wait[rows], *span)
+            v = path(then, 1)[1][:, : promise.shape[1]]
+            along = np.sum(v * promise[rows], axis=1) / np.linalg.norm(promise[rows], axis=1)
+            column[rows[~(along > still.speed)]] = np.nan
+    slanted = np.linalg.norm(forward, axis=1) > STEEP * np.abs(found.climb[:, 3])
+    found.climb[slanted & np.isnan(found.heading[:, 0])] = np.nan
+    found.heading[np.isnan(found.climb[:, 0])] = np.nan
+    return found
 
 
 def _nearest_movement(
@@ -149,28 +169,30 @@ def _nearest_movement(
     for window in WINDOWS:
         far = max(edge - window, end) if side == BEFORE else min(edge + window, end)
         looks = np.linspace(edge, far, LOOKS)
-        moving = _moving(path, looks, side, climb, still)
+        moving = _moving(path, looks, side, climb, span, still)
         if moving.any():
             k = int(np.argmax(moving))
-            return float(looks[0]) if k == 0 else _narrowed(path, looks[k - 1 : k + 1], side, climb, still)
+            return (
+                float(looks[0]) if k == 0 else _narrowed(path, looks[k - 1 : k + 1], side, climb, span, still)
+            )
         edge = far
         if edge == end:
             break
     return None
 
 
-def _narrowed(path: Path, bracket: Array, side: int, climb: bool, still: Stillness) -> float:
+def _narrowed(path: Path, bracket: Array, side: int, climb: bool, span: Span, still: Stillness) -> float:
     """The moving end of `bracket` (resting, moving), brought as near to the resting one as it goes."""
     resting, moving = float(bracket[0]), float(bracket[1])
     while True:
         looks = np.linspace(resting, moving, NARROWING)
-        k = max(int(np.argmax(_moving(path, looks, side, climb, still))), 1)
+        k = max(int(np.argmax(_moving(path, looks, side, climb, span, still))), 1)
         closer = abs(looks[k] - looks[k - 1])
         if closer >= abs(moving - resting) or closer <= 1e-3 * still.instant:
             return moving
         resting, moving = float(looks[k - 1]), float(looks[k])
 
 
-def _moving(path: Path, t: Array, side: int, climb: bool, still: Stillness) -> Mask:
-    found = _directions(path, t, side, still)
+def _moving(path: Path, t: Array, side: int, climb: bool, span: Span, still: Stillness) -> Mask:
+    found = _directions(path, t, side, span, still)
     return ~np.isnan(found.climb[:, 0] if climb else found.heading[:, 0])

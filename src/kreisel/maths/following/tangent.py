@@ -27,6 +27,9 @@ Path = Callable[[Array, int], Array]
 DERIVATIVES = 6
 """Derivatives of position behind a limit: a movement may begin with snap (the fourth), and two more."""
 
+STEEP = 1e-3
+"""Horizontal part of a movement, over the vertical one, up to which it can pass for vertical."""
+
 BEFORE, AFTER = -1, 1
 """From which side of an instant a limit is taken."""
 
@@ -99,14 +102,22 @@ class Directions(NamedTuple):
     climb: Array
 
 
-def limits(t: Array, derivatives: Array, side: int, still: Stillness = EXACT) -> Directions:
+class Limits(NamedTuple):
+    """Directions on one side of instants, and when the series they are read from says that they can be seen."""
+
+    directions: Directions
+    delay: Array  # (n, 2) s, until heading and climb are those of a velocity above nil; 0 where it is already
+
+
+def limits(t: Array, derivatives: Array, side: int, still: Stillness = EXACT) -> Limits:
     """Directions just `BEFORE` or `AFTER` times t (n,), from derivatives (6, n, 3): velocity and five more.
 
     With v = tau^m u(tau) / m! near the time, the body lies along u after and along (-1)^m u before it.
     """
     n = len(t)
-    out = Directions(np.full((n, 4), np.nan), np.full((n, 6), np.nan))
-    _limits(argument(t), argument(derivatives), side, still.speed, still.rate, still.instant, *out)
+    out = Limits(Directions(np.full((n, 4), np.nan), np.full((n, 6), np.nan)), np.zeros((n, 2)))
+    inputs = argument(t), argument(derivatives)
+    _limits(*inputs, side, still.speed, still.rate, still.instant, *out.directions, out.delay)
     return out
 
 
@@ -192,15 +203,15 @@ def _norm(d: Array, order: int, k: int, axes: int) -> float:
 
 
 @kernel
-def _leading(d: Array, k: int, axes: int, speed: float, rate: float, instant: float) -> int:
+def _leading(d: Array, k: int, axes: int, speed: float, rate: float, instant: float) -> tuple[int, float]:
     """Index of the derivative in row k, first `axes` components, that the movement begins with; -1 at rest.
 
-    It is the one that lifts the velocity above round-off first. Comparing derivatives with fixed thresholds
-    instead would take the tail of a slow beginning for a reversal.
+    And the time it takes to lift the velocity above round-off; it is the first to do so. Comparing
+    derivatives with fixed thresholds instead would take the tail of a slow beginning for a reversal.
     """
     nil = speed + instant * (_norm(d, 1, k, axes) + _norm(d, 2, k, axes) / rate)
     if _norm(d, 0, k, axes) > nil:
-        return 0
+        return 0, 0.0
     first, soonest, factorial = -1, 1.0 / rate, 1.0
     for m in range(1, d.shape[0] - 2):
         factorial *= m
@@ -208,7 +219,7 @@ def _leading(d: Array, k: int, axes: int, speed: float, rate: float, instant: fl
         delay = (nil * factorial / size) ** (1.0 / m) if size > 0.0 else np.inf
         if delay < soonest:
             first, soonest = m, delay
-    return first
+    return first, soonest
 
 
 @kernel
@@ -216,7 +227,7 @@ def _leading_series(
     t: Array, d: Array, side: int, speed: float, rate: float, instant: float, out: Array
 ) -> None:
     for k in range(t.shape[0]):
-        m = _leading(d, k, 3, speed, rate, _instant(t[k], instant))
+        m, _ = _leading(d, k, 3, speed, rate, _instant(t[k], instant))
         if m < 0:
             continue
         sign = -1.0 if side < 0 and m % 2 == 1 else 1.0
@@ -228,13 +239,18 @@ def _leading_series(
 
 @kernel
 def _limits(
-    t: Array, d: Array, side: int, speed: float, rate: float, instant: float, heading: Array, climb: Array
-) -> None:
+    t: Array, d: Array, side: int, speed: float, rate: float, instant: float,
+    heading: Array, climb: Array, delay: Array,
+) -> None:  # fmt: skip
     for k in range(t.shape[0]):
         now = _instant(t[k], instant)
-        m, level = _leading(d, k, 3, speed, rate, now), _leading(d, k, 2, speed, rate, now)
+        level, delay[k, 0] = _leading(d, k, 2, speed, rate, now)
+        m, delay[k, 1] = _leading(d, k, 3, speed, rate, now)
         if m < 0:
             continue
+        if _norm(d, m, k, 2) > STEEP * abs(d[m, k, 2]):
+            # A slanted movement has its heading and its climb from one and the same derivative.
+            level, delay[k, 0] = m, delay[k, 1]
         up = -1.0 if side < 0 and m % 2 == 1 else 1.0
         climb[k, 3] = up * d[m, k, 2]
         climb[k, 4] = up * d[m + 1, k, 2] / (m + 1)

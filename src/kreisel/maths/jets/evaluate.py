@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from kreisel.maths.jets import refusals
+from kreisel.maths.jets import blame, refusals
 from kreisel.maths.jets.jet import Jet, Packed
 from kreisel.maths.jets.series import Array, Series
 
@@ -18,7 +18,7 @@ BLOCK = 8192
 _SAME = 1e-9
 
 
-def differentiate(function: Callable[[Jet], Any], t: ArrayLike, order: int) -> NDArray[np.float64]:
+def differentiate(function: Callable[[Any], Any], t: ArrayLike, order: int) -> NDArray[np.float64]:
     """Value and derivatives 0..order in time of a function written with NumPy, exact to round-off.
 
     function : called with a `Jet` that stands for the time in s. It returns one quantity, or three: a tuple
@@ -54,17 +54,18 @@ def _checked_times(t: ArrayLike) -> NDArray[np.float64]:
     return times
 
 
-def _parts_at(function: Callable[[Jet], Any], times: NDArray[np.float64], order: int) -> list[Series]:
+def _parts_at(function: Callable[[Any], Any], times: NDArray[np.float64], order: int) -> list[Series]:
     """The one or three quantities that the function makes of a block of times."""
     # Only a block of another length than 3 can tell (n, 3) from (3, n).
     padded = np.append(times, times[-1]) if times.size == 3 else times
     with np.errstate(all="ignore"):
         try:
             answer = function(Jet.variable(padded, order))
-        except ValueError as error:
-            if "inhomogeneous" not in str(error):
+        except (TypeError, ValueError) as error:
+            better = blame.explained(error, lambda: function(padded))
+            if better is None:
                 raise
-            raise refusals.taken_as_plain_array() from error
+            raise better from error
         return _parts(answer, padded.size)
 
 
@@ -154,7 +155,7 @@ def _unchanging(array: Array, n: int) -> Array:
 # --- one function, one value per time ---
 
 
-def _check_independence(function: Callable[[Jet], Any], times: NDArray[np.float64], block: Array) -> None:
+def _check_independence(function: Callable[[Any], Any], times: NDArray[np.float64], block: Array) -> None:
     """One sample evaluated alone must come out as it did among the others.
 
     Sums over samples, len(t) and random numbers do not: their results depend on the length of the blocks.

@@ -90,13 +90,16 @@ def single_sample(index: Any) -> TypeError:
     )
 
 
-def taken_as_plain_array() -> TypeError:
-    """The error for np.asarray(t), calculating with np.array([x, y, z]), and x[:] = t on a plain array."""
+def taken_as_plain_array(place: str = "") -> TypeError:
+    """The error for np.asarray(t), calculating with np.array([x, y, z]), and x[:] = t on a plain array.
+
+    place : where in the user's code, in brackets.
+    """
     what = (
         "np.asarray(t), np.array([x, y, z]) before a calculation, np.vectorize, or assigning to a plain array"
     )
     return loses_derivatives(
-        what, "use t as it is, np.stack([x, y, z], axis=-1), or begin with np.zeros_like(t)"
+        what, f"use t as it is, np.stack([x, y, z], axis=-1), or begin with np.zeros_like(t){place}"
     )
 
 

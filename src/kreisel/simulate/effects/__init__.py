@@ -30,7 +30,7 @@ class Effect(Protocol):
         ...
 
     def start(self, context: Context, stream: Stream) -> Array:
-        """State (m,) before the first sample; `context` is that of the first block.
+        """State, an array of any shape, before the first sample; `context` is that of the first block.
 
         Raises ValueError where the effect does not suit the sensor or its surroundings.
         """

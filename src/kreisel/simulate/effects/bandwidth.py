@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from kreisel.data.checks import Array, number
+from kreisel.data.checks import Array, scalar
 from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
@@ -33,8 +33,8 @@ class Bandwidth:
     def __post_init__(self) -> None:
         put = object.__setattr__
         # Below 1e-6 Hz nothing comes through within the longest of recordings.
-        put(self, "cutoff", number("cutoff", self.cutoff, "Hz", 1e-6, np.inf))
-        put(self, "damping", number("damping", self.damping, "without unit", 1e-3, 0.999))
+        put(self, "cutoff", scalar("cutoff", self.cutoff, "Hz", 1e-6, np.inf))
+        put(self, "damping", scalar("damping", self.damping, "without unit", 1e-3, 0.999))
 
     @property
     def idle(self) -> bool:
@@ -59,7 +59,7 @@ class Bandwidth:
             out[:] = block
         else:
             w = 2.0 * np.pi * self.cutoff
-            _low_pass(state, w, self.damping, argument(block), argument(context.dt), out)
+            _low_pass(state, w, self.damping, argument(block), context.dt, out)
         return out
 
 

@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from kreisel.data.checks import Array, number, per_axis
-from kreisel.maths.markov import markov_allan_deviation, markov_state, markov_sum
+from kreisel.data.checks import Array, per_axis, scalar
+from kreisel.maths.markov import add_markov, markov_allan_deviation, markov_state
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
 
@@ -42,7 +42,7 @@ class BiasInstability:
         put = object.__setattr__
         put(self, "deviation", per_axis("deviation", self.deviation, "unit of the sensor", 0.0))
         for name in ("lowest", "highest"):
-            put(self, name, number(name, getattr(self, name), "Hz", 1e-12, 1e9))
+            put(self, name, scalar(name, getattr(self, name), "Hz", 1e-12, 1e9))
         if not self.highest >= 2.0 * self.lowest:
             raise ValueError(
                 f"the band must span an octave or more; got lowest {self.lowest:g} Hz, highest {self.highest:g} Hz."
@@ -55,13 +55,15 @@ class BiasInstability:
 
     def start(self, context: Context, stream: Stream) -> Array:
         """State of all processes; the first sample draws from the stationary distribution."""
-        return markov_state(len(self._corners()))
+        return np.array([markov_state() for _ in self._corners()])
 
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3) with flicker added."""
-        sigma, rate = self._processes()
-        white = stream.normals(context.first, len(block), 3 * len(sigma))
-        return block + markov_sum(state, sigma, rate, context.dt, context.first, white)
+        out = block
+        for k, (sigma, rate) in enumerate(zip(*self._processes(), strict=True)):
+            white = stream.normals(context.first, len(block), 3, channel=3 * k)
+            out = add_markov(out, state[k], sigma, rate, context.dt, context.first, white)
+        return out
 
     def allan_deviation(self, tau: Array) -> Array:
         """Allan deviation (m, 3) at averaging times tau (m,) s; 0.664 B well inside the band."""

@@ -42,7 +42,7 @@ class BiasRandomWalk:
         out = stream.normals(context.first, len(block))
         if context.first == 0:
             out[0] = 0.0
-        _walk(state, argument(block), argument(context.dt), argument(self.density), out)
+        _walk(state, argument(block), context.dt, self.density, out)
         return out
 
     def allan_deviation(self, tau: Array) -> Array:
@@ -52,11 +52,15 @@ class BiasRandomWalk:
 
 @kernel
 def _walk(bias: Array, block: Array, dt: Array, density: Array, out: Array) -> None:
+    # In local variables, since the compiler cannot know that `out` and `bias` do not overlap.
+    x, y, z = bias
     for k in range(block.shape[0]):
         root_s = np.sqrt(dt[k])
-        for a in range(3):
-            bias[a] += density[a] * root_s * out[k, a]
-            out[k, a] = block[k, a] + bias[a]
+        x += density[0] * root_s * out[k, 0]
+        y += density[1] * root_s * out[k, 1]
+        z += density[2] * root_s * out[k, 2]
+        out[k, 0], out[k, 1], out[k, 2] = block[k, 0] + x, block[k, 1] + y, block[k, 2] + z
+    bias[0], bias[1], bias[2] = x, y, z
 
 
 def example() -> BiasRandomWalk:

@@ -47,7 +47,7 @@ class GSensitivity:
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3) rad/s with what the specific force adds."""
         out = np.empty_like(block)
-        _add_product(argument(block), argument(self.sensitivity), argument(context.specific_force), out)
+        _add_product(argument(block), self.sensitivity, argument(context.specific_force), out)
         return out
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from kreisel.data.checks import Array, per_axis
-from kreisel.maths.markov import markov_allan_deviation, markov_state, markov_sum
+from kreisel.maths.markov import add_markov, markov_allan_deviation, markov_state
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
 
@@ -37,13 +37,12 @@ class GaussMarkov:
 
     def start(self, context: Context, stream: Stream) -> Array:
         """State of one process on three axes; the first sample draws from the stationary distribution."""
-        return markov_state(1)
+        return markov_state()
 
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3) with the process added."""
-        white = stream.normals(context.first, len(block))
-        sigma, rate = self.sigma[None], 1.0 / self.time_constant[None]
-        return block + markov_sum(state, sigma, rate, context.dt, context.first, white)
+        white, rate = stream.normals(context.first, len(block)), 1.0 / self.time_constant
+        return add_markov(block, state, self.sigma, rate, context.dt, context.first, white)
 
     def allan_deviation(self, tau: Array) -> Array:
         """Allan deviation (m, 3) at averaging times tau (m,) s."""

@@ -45,7 +45,7 @@ class HardSoftIron:
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3) microtesla, bent."""
         out = np.empty_like(block)
-        _bend(argument(block), argument(self.soft_iron), argument(self.hard_iron_uT), out)
+        _bend(argument(block), self.soft_iron, self.hard_iron_uT, out)
         return out
 
 

@@ -43,7 +43,7 @@ class Nonlinearity:
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3), bent."""
         out = np.empty_like(block)
-        _bend(argument(block), argument(self.quadratic), argument(self.cubic), out)
+        _bend(argument(block), self.quadratic, self.cubic, out)
         return out
 
 

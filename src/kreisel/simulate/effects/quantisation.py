@@ -36,15 +36,17 @@ class Quantisation:
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3), rounded."""
         out = np.empty_like(block)
-        _round(argument(block), argument(self.step), out)
+        with np.errstate(divide="ignore"):
+            per_step = 1.0 / self.step
+        _round(argument(block), self.step, argument(per_step), out)
         return out
 
 
 @kernel
-def _round(block: Array, step: Array, out: Array) -> None:
+def _round(block: Array, step: Array, per_step: Array, out: Array) -> None:
     for k in range(block.shape[0]):
         for a in range(3):
-            coarse = step[a] * np.rint(block[k, a] / step[a])
+            coarse = step[a] * np.rint(block[k, a] * per_step[a])
             out[k, a] = coarse if step[a] > 0.0 else block[k, a]
 
 

@@ -45,7 +45,7 @@ class Range:
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3), cut off."""
         out = np.empty_like(block)
-        _cut(argument(block), argument(self.limit), out)
+        _cut(argument(block), self.limit, out)
         return out
 
 

@@ -42,7 +42,7 @@ class ScaleFactor:
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3), scaled."""
         out = np.empty_like(block)
-        _scale(argument(block), argument(state), out)
+        _scale(argument(block), state, out)
         return out
 
 

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from kreisel.data.checks import Array, number, per_axis
+from kreisel.data.checks import Array, per_axis, scalar
 from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
@@ -30,7 +30,7 @@ class TemperatureScale:
         put = object.__setattr__
         put(self, "slope", per_axis("slope", self.slope, "1/K"))
         # Between absolute zero and the melting of anything a sensor is made of.
-        put(self, "reference_degC", number("reference_degC", self.reference_degC, "deg C", -273.15, 2000.0))
+        put(self, "reference_degC", scalar("reference_degC", self.reference_degC, "deg C", -273.15, 2000.0))
 
     @property
     def idle(self) -> bool:
@@ -45,7 +45,7 @@ class TemperatureScale:
         """Block (n, 3) at the temperature it has."""
         out = np.empty_like(block)
         above = context.temperature_degC - self.reference_degC
-        _follow(argument(block), argument(above), argument(self.slope), out)
+        _follow(argument(block), argument(above), self.slope, out)
         return out
 
 

@@ -44,7 +44,7 @@ class WhiteNoise:
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3) with noise added."""
         out = stream.normals(context.first, len(block))
-        _add_noise(argument(block), argument(context.dt), argument(self.density), out)
+        _add_noise(argument(block), context.dt, self.density, out)
         return out
 
     def allan_deviation(self, tau: Array) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from kreisel.data.checks import finite_number
 from kreisel.data.trajectory import Trajectory
 from kreisel.simulate.trajectories.functions import FunctionTrajectory
 
@@ -13,7 +14,8 @@ def circle(radius: float = 1.0, period: float = 4.0) -> Trajectory:
 
     A negative period runs clockwise. The centripetal acceleration is radius (2 pi / period)^2.
     """
-    rate = 2.0 * np.pi / period
+    finite_number("radius", radius)
+    rate = 2.0 * np.pi / finite_number("period", period, zero=False)
     return FunctionTrajectory(
         (lambda t: radius * np.cos(rate * t), lambda t: radius * np.sin(rate * t), 0.0), name="circle"
     )

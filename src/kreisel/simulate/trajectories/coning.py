@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from kreisel.data.checks import Array, increasing, shaped
+from kreisel.data.checks import Array, finite_number, increasing, shaped
 from kreisel.data.motion import Motion
 from kreisel.maths.kinematics import quaternion_motion
 
@@ -25,6 +25,10 @@ class Coning:
 
     half_angle: float = 0.1
     rate: float = 10.0
+
+    def __post_init__(self) -> None:
+        finite_number("half_angle", self.half_angle)
+        finite_number("rate", self.rate)
 
     @property
     def span(self) -> tuple[float, float]:

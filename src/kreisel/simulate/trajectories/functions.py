@@ -50,9 +50,12 @@ class FunctionTrajectory:
             choice("orientation", self.orientation, ("tangent", "transport"))
         else:
             put(self, "orientation", _one_function("orientation", self.orientation))
-        first, last = (float(end) for end in self.span)
+        try:
+            first, last = (float(end) for end in self.span)
+        except (TypeError, ValueError):
+            first = last = np.nan
         if not first < last:
-            raise ValueError(f"span must be (first, last) with first < last, s; got {self.span}.")
+            raise ValueError(f"span must be (first, last) with first < last, s; got {self.span!r}.")
         put(self, "span", (first, last))
 
     def sample(self, t: Array) -> Motion:
@@ -65,6 +68,7 @@ class FunctionTrajectory:
         _check_inside(times, self.span)
         if not isinstance(self.orientation, str):
             p, v, a = self._position(times, 2)
+            _check_finite("position", times, (p, v, a))
             return Motion(times, p, v, a, *self._attitude(times), self.t0_ns, self.name)
         along = follow if self.orientation == "tangent" else follow_without_twist
         found = along(self._position, times, self.span)
@@ -135,11 +139,21 @@ def _check_finite(name: str, times: Array, derivatives: Any) -> None:
     for k, rows in enumerate(derivatives):
         bad = ~np.isfinite(rows).all(axis=1)
         if bad.any():
-            t = times[int(np.argmax(bad))]
+            row = int(np.argmax(bad))
+            t = times[row]
             raise ValueError(
                 f"the {_DERIVATIVES[k]} of {name} is not finite at t = {t:.9g} s. "
-                "Look for a division by zero or the root of zero there, or end the span before it."
+                f"{_cause(rows[row])}, or end the span before it."
             )
+
+
+def _cause(row: Array) -> str:
+    if np.isinf(row).any():
+        return "It is infinite: look for a division by zero or the root of zero there"
+    return (
+        "It is undefined: look for 0 / 0 or for an exp that overflows there (1 / (1 + np.exp(-x)) can be written "
+        "0.5 + 0.5 * np.tanh(x / 2))"
+    )
 
 
 def example() -> FunctionTrajectory:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from kreisel.data.checks import finite_number
 from kreisel.data.trajectory import Trajectory
 from kreisel.simulate.trajectories.functions import FunctionTrajectory
 
 
 def helix(radius: float = 1.0, pitch: float = 0.5, period: float = 4.0) -> Trajectory:
     """A helix of `radius` m around z that rises by `pitch` m in every turn of `period` s; nose along it."""
-    rate = 2.0 * np.pi / period
+    finite_number("radius", radius)
+    finite_number("pitch", pitch)
+    rate = 2.0 * np.pi / finite_number("period", period, zero=False)
     return FunctionTrajectory(
         (
             lambda t: radius * np.cos(rate * t),

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from kreisel.data.checks import Array, finite, shaped
+from kreisel.data.checks import Array, finite, finite_number, shaped
 from kreisel.data.trajectory import Trajectory
 from kreisel.simulate.trajectories.functions import FunctionTrajectory
 
@@ -26,7 +26,7 @@ def lissajous(
         finite(name, shaped(name, value, (3,)))
         for name, value in (("amplitude", amplitude), ("harmonic", harmonic), ("phase", phase))
     )
-    rate = 2.0 * np.pi * frequency * multiple
+    rate = 2.0 * np.pi * finite_number("frequency", frequency) * multiple
     return FunctionTrajectory(lambda t: _waves(t, size, rate, shift), name="lissajous")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from kreisel.data.checks import finite_number
 from kreisel.data.trajectory import Trajectory
 from kreisel.simulate.trajectories.functions import FunctionTrajectory
 
@@ -13,7 +14,9 @@ def lying_eight(period: float = 1.0, length: float = 0.8, height: float = 0.3) -
 
     period: s; length: m, half the extent along x; height: m, 0 makes it level.
     """
-    rate = 2.0 * np.pi / period
+    finite_number("length", length)
+    finite_number("height", height)
+    rate = 2.0 * np.pi / finite_number("period", period, zero=False)
     return FunctionTrajectory(
         (
             lambda t: length * np.cos(rate * t),

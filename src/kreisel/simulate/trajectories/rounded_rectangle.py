@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.data.checks import Array, increasing, shaped
+from kreisel.data.checks import Array, finite_number, increasing, shaped
 from kreisel.data.motion import Motion
 from kreisel.maths.following.exact import Joints
 from kreisel.maths.following.tangent import Attitude
@@ -33,13 +33,13 @@ class RoundedRectangle:
     speed: float = 0.8
 
     def __post_init__(self) -> None:
-        if not 0.0 < 2.0 * self.radius <= min(self.length, self.width):
+        for name in ("length", "width", "radius", "speed"):
+            finite_number(name, getattr(self, name), above=0.0)
+        if not 2.0 * self.radius <= min(self.length, self.width):
             raise ValueError(
-                f"radius must be above 0 and at most half a side, "
+                f"radius must be at most half a side, "
                 f"{0.5 * min(self.length, self.width):.9g} m; got {self.radius!r}."
             )
-        if not self.speed > 0.0:
-            raise ValueError(f"speed must be above 0 m/s; got {self.speed!r}.")
 
     @property
     def span(self) -> tuple[float, float]:

@@ -13,6 +13,7 @@ from kreisel.data.checks import (
     choice,
     finite,
     increasing,
+    radians,
     read_only,
     rotations,
     same_length,
@@ -21,9 +22,15 @@ from kreisel.data.checks import (
 )
 from kreisel.data.motion import Motion, Note
 from kreisel.data.trajectory import Poses
-from kreisel.maths.derivatives import SECOND_DERIVATIVE_GAIN, Signal, interpolating_spline, noise_level
-from kreisel.maths.following.carried import carried_along
-from kreisel.maths.following.course import Course, attitude_on, course
+from kreisel.maths.derivatives import (
+    SECOND_DERIVATIVE_GAIN,
+    Interpolation,
+    Signal,
+    interpolating_spline,
+    noise_level,
+)
+from kreisel.maths.following.carried import Carried
+from kreisel.maths.following.course import Course
 from kreisel.maths.following.tangent import Attitude
 from kreisel.maths.kinematics import quaternion_motion
 from kreisel.maths.rotations import (
@@ -32,15 +39,13 @@ from kreisel.maths.rotations import (
     matrix_from_quat_wxyz,
     quat_wxyz_from_matrix,
 )
+from kreisel.simulate.notes import AIMLESS, joint_notes
 
 METHODS = ("auto", "spline", "smooth", "gradient")
 
 # Interpolating is as good as the samples when their noise stays under a tenth of a milli-g in the
 # acceleration (and 1e-3 rad/s^2 in the angular one): an accelerometer's own noise hides it.
 CLEAN_BELOW = 1e-3
-
-# A heading that turns by more than this while nobody can see it has jumped.
-_JUMP = np.deg2rad(10.0)
 
 # Below, a spline has no third derivative to turn a tangent by; a smoother has nothing to average.
 _FEWEST = {"spline": 6, "smooth": 20, "gradient": 3}
@@ -74,6 +79,8 @@ class SampledTrajectory:
     def __post_init__(self) -> None:
         put = object.__setattr__
         choice("method", self.method, METHODS)
+        if self.order is not None:
+            choice("order", self.order, ("wxyz", "xyzw"))
         put(self, "t", increasing("t", shaped("t", self.t, ("n",))))
         put(self, "position", finite("position", shaped("position", self.position, ("n", 3))))
         if self.velocity is not None:
@@ -124,21 +131,10 @@ class SampledTrajectory:
 
     def _along(self, position: Signal, times: Array) -> tuple[Attitude, tuple[Note, ...]]:
         """Attitude of a body that follows the path, and notes on where its heading jumps."""
-        if self.orientation == "transport":
-            return carried_along(position, self.t, self._course.floor, times), ()
-        _, v, a, j = position(times, 3)
-        course = self._course
-        jumps = np.flatnonzero(course.turn > _JUMP)
-        notes = tuple(
-            Note(
-                "heading-jump",
-                f"the heading jumps by {np.rad2deg(course.turn[k]):.0f} deg where the path "
-                'stands still or is vertical; orientation "transport" has no jumps',
-                float(course.right[k]),
-            )
-            for k in jumps
-        )
-        return attitude_on(course, times, v, a, j), notes
+        kind = Carried if self.orientation == "transport" else Course
+        course = kind(position, self.t, position.floor)
+        lost = (AIMLESS,) if course.aimless else ()
+        return course.attitude(times), (*_corner_notes(position), *joint_notes(course.joints()), *lost)
 
     def _inside(self, times: Array) -> None:
         first, last = self.span
@@ -158,16 +154,6 @@ class SampledTrajectory:
     def _attitude(self) -> tuple[Signal, Note]:
         # Sign-continuous quaternions have no wraps, and their noise is the same in every component.
         return self._signal("attitude", "", self.orientation, shared=True)
-
-    @cached_property
-    def _course(self) -> Course:
-        position, _ = self._position
-        fastest = float(np.linalg.norm(position(self.t, 1)[1], axis=1).max())
-        # A thousandth of the largest speed, where interpolation rings after a jerk, and round-off.
-        floor = 1e-3 * fastest + 1e-13 * float(np.abs(self.position).max()) / float(np.diff(self.t).min())
-        # Behind noise, the speed whose direction is known to 3 degrees.
-        known = 20.0 * float(np.linalg.norm(position.rate_sigma))
-        return course(position, self.t, max(floor, known), position.response)
 
     def _signal(
         self, what: str, unit: str, x: Array, rate: Array | None = None, shared: bool = False
@@ -224,10 +210,10 @@ def _quaternions(orientation: Any, order: str | None) -> Array:
         R = rotations("orientation", shaped("orientation", orientation, ("n", 3, 3)))
         return quat_wxyz_from_matrix(R)
     if shape[1:] == (3,):
-        phi = finite("orientation", shaped("orientation", orientation, ("n", 3)))
+        phi = radians("orientation", finite("orientation", shaped("orientation", orientation, ("n", 3))))
         return quat_wxyz_from_matrix(matrix_from_euler(phi))
     if shape[1:] == (4,):
-        if order not in ("wxyz", "xyzw"):
+        if order is None:
             raise ValueError(
                 f'quaternions need order="wxyz" or order="xyzw"; got {order!r}. '
                 "ROS, TUM files and SciPy write xyzw; MATLAB, EuRoC and Eigen's constructor wxyz."
@@ -238,6 +224,18 @@ def _quaternions(orientation: Any, order: str | None) -> Array:
         "orientation must be Euler angles (n, 3), quaternions (n, 4), matrices (n, 3, 3), a SciPy Rotation, "
         f'"tangent" or "transport"; got shape {shape}.'
     )
+
+
+def _corner_notes(position: Signal) -> tuple[Note, ...]:
+    if not isinstance(position, Interpolation) or not position.corners.size:
+        return ()
+    first = ", ".join(f"{t:.4g}" for t in position.corners[:5])
+    more = " and later" if len(position.corners) > 5 else ""
+    text = (
+        f"the samples have corners, or are too far apart, around t = {first}{more} s: the path is interpolated "
+        "smoothly there, and rings"
+    )
+    return (Note("method", text, float(position.corners[0])),)
 
 
 def _tangents(v: Array, orientation: str) -> Array:

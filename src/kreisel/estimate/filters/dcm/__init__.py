@@ -18,10 +18,10 @@ from typing import Literal, get_args
 import numpy as np
 
 from kreisel.data.checks import choice, finite, rotations, shaped
+from kreisel.estimate.filters.dcm import lanes, published, step
 from kreisel.estimate.filters.dcm import layout as at
-from kreisel.estimate.filters.dcm import published, step
 from kreisel.estimate.filters.dcm.covariance import GRAVITY
-from kreisel.estimate.filters.dcm.vectors import Array
+from kreisel.maths.vectors import Array
 
 Mode = Literal["auto", "9", "6", "gyro"]
 
@@ -71,6 +71,10 @@ class DcmFilter:
     declination: float = 0.0  # rad, magnetic north east of true north
     accel_time: float = 5.0  # s
     mag_time: float = 60.0  # s
+    travel_spread: float = (
+        1.0  # m/s of velocity that a body keeps in its own axes; 0: it stays about its place
+    )
+    travel_time: float = 10.0  # s, for which it keeps it
     window: float = 0.2  # s, over which samples are summed before they correct anything
     hold: float = 0.25  # s, longest gap of the gyro that is bridged by its latest sample
     coning: bool = False  # gyro samples are means of a rate whose axis turns (fast motion at 50 Hz and less)
@@ -131,7 +135,8 @@ class DcmFilter:
     def _first_sigmas(self, given: bool) -> list[float]:
         tilt, heading = (_GIVEN_TILT, _GIVEN_HEADING) if given else (_FIRST_TILT, _FIRST_HEADING)
         velocity = self._velocity_noise()
-        return [tilt, tilt, heading, velocity, velocity, *[self.bias_spread] * 3, *[self.scale_spread] * 9]
+        constants = [self.bias_spread] * 3 + [self.scale_spread] * 9
+        return [tilt, tilt, heading, velocity, velocity, *[self.travel_spread] * 3, *constants]
 
     def _velocity_noise(self) -> float:
         """The noise of "velocity is zero" for which the steady filter's frequency is 1 / accel_time."""
@@ -176,6 +181,10 @@ class DcmFilter:
             at.FIELD_MEMORY: self.field_memory,
             at.REST_GYRO: self.rest_gyro,
             at.REST_ACCEL: self.rest_accel,
+            at.TRAVEL_SPREAD: self.travel_spread,
+            at.TRAVEL_TIME: self.travel_time,
+            # What has this time constant counts once in twice that time.
+            at.TILT_TIME: 2.0 * self.accel_time,
         }
 
     def update(self, state: Array, parameters: Array, sample: Array, dt: float) -> None:
@@ -183,10 +192,40 @@ class DcmFilter:
         (published if self.published else step).update(state, parameters, sample, dt)
 
     def batch(
-        self, state: Array, parameters: Array, t: Array, gyro: Array, accel: Array, mag: Array, answers: Array
+        self,
+        state: Array,
+        parameters: Array,
+        t: Array,
+        gyro: Array,
+        accel: Array,
+        mag: Array,
+        first: int,
+        answers: Array,
     ) -> None:
-        """The same through all samples; the answers go into (n, at.ANSWER)."""
-        (published if self.published else step).batch(state, parameters, t, gyro, accel, mag, answers)
+        """The same through the samples from `first` on, as many as answers (m, at.ANSWER) has rows."""
+        (published if self.published else step).batch(state, parameters, t, gyro, accel, mag, first, answers)
+
+    @property
+    def lanes(self) -> int:
+        """How many recordings `batch_of_lanes` takes abreast: the published step's, without two of its cures."""
+        return lanes.LANES if self.published and not (self.published.exact or self.published.rate_hz) else 1
+
+    def batch_of_lanes(
+        self,
+        states: Array,
+        parameters: Array,
+        t: Array,
+        gyro: Array,
+        accel: Array,
+        mag: Array,
+        first: int,
+        answers: Array,
+    ) -> None:
+        """`batch` for so many states (lanes, STATE) with the same bits; all else has the lanes in front as well."""
+        lanes.batch_of_lanes(states, parameters, t, gyro, accel, mag, first, answers)
 
 
 FILTER = DcmFilter
+
+STATE_VERSION = 1
+"""Raised whenever places of the state change their meaning: streams saved before are then refused."""

@@ -4,8 +4,8 @@ Errors are estimate less truth: R_est = Exp(theta) R_true, and theta' = -R (bias
 """
 
 from kreisel.estimate.filters.dcm import layout as at
-from kreisel.estimate.filters.dcm.vectors import Array
 from kreisel.maths.kernels import kernel
+from kreisel.maths.vectors import Array
 
 GRAVITY = 9.80665  # m/s^2
 
@@ -57,14 +57,20 @@ def _add_noise(state: Array, params: Array, P: Array) -> None:
 @kernel
 def observe(state: Array, P: Array, i: int, error: float, variance: float) -> None:
     """Take in that error i is `error`, known to `variance`; what follows for all is added to CORRECTION."""
+    for a in range(P.shape[0]):
+        state[at.COLUMN + a] = P[i, a]
+    correct(state, P, error - state[at.CORRECTION + i], P[i, i] + variance)
+
+
+@kernel
+def correct(state: Array, P: Array, surprise: float, variance: float) -> None:
+    """Take in a `surprise` of this `variance`, whose covariances with all errors are in COLUMN."""
     n = P.shape[0]
     x, column = state[at.CORRECTION : at.CORRECTION + n], state[at.COLUMN : at.COLUMN + n]
+    k = 1.0 / variance
+    step = k * surprise
     for a in range(n):
-        column[a] = P[i, a]
-    k = 1.0 / (column[i] + variance)
-    innovation = k * (error - x[i])
-    for a in range(n):
-        x[a] += column[a] * innovation
+        x[a] += column[a] * step
         gain = column[a] * k
         for b in range(n):
             P[a, b] -= gain * column[b]

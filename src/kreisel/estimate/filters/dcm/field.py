@@ -4,8 +4,8 @@ import math
 
 from kreisel.estimate.filters.dcm import layout as at
 from kreisel.estimate.filters.dcm.covariance import observe
-from kreisel.estimate.filters.dcm.vectors import Array, load, scaled
 from kreisel.maths.kernels import kernel
+from kreisel.maths.vectors import Array, load, scaled
 
 # rad: an answer whose tilt is known worse than that is still finding its level.
 _LEVEL = 0.06
@@ -42,8 +42,9 @@ def observe_field(state: Array, params: Array, P: Array, rest: bool) -> float:
     deviation = _deviation(state, params, level, up)
     doubt = 1.0 + deviation / (norm2 * (params[at.FIELD_SPREAD] ** 2 + tilt))
     variance = (doubt * params[at.HEADING_NOISE]) ** 2 / state[at.LENGTH]
-    # Tilt turns a steep field's heading too; the smallest number keeps a vertical one from dividing by zero.
-    variance += tilt * up**2 / (level**2 + 1e-300)
+    # Tilt turns a steep field's heading too, and stays longer than a window: means do not cure it before TILT_TIME.
+    # The smallest number keeps a vertical field from dividing by zero.
+    variance += tilt * up**2 / (level**2 + 1e-300) * max(1.0, params[at.TILT_TIME] / state[at.LENGTH])
     cos_d, sin_d = params[at.DECLINATION], params[at.DECLINATION + 1]
     error = math.atan2(sin_d * north - cos_d * east, cos_d * north + sin_d * east)
     before = state[at.CORRECTION + 2]

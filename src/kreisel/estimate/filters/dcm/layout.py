@@ -13,46 +13,48 @@ MISSING = 21  # s, the same since the window began
 PUBLISHED_STATE = 22
 
 # ---- State of the default step.
-# Order of the errors: attitude in N, horizontal velocity, then what is constant: bias, columns of the matrix C
+# Order of the errors: attitude in N, horizontal velocity, travel, then what is constant: bias, columns of the matrix C
 # by which a gyro reads C @ gyro too much.
 THETA = 0
 V = 3
-B = 5
-C = 8
-ERRORS = 17
+U = 5  # velocity in body axes
+B = 8
+C = 11
+ERRORS = 20
 CONSTANTS = 12  # the last so many of them
 
 VELOCITY = 22  # 2: sum of the horizontal specific force less its corrections, m/s
 SCALE = 24  # 9: C, column by column
-COVARIANCE = 33  # 17 x 17
-CORRECTION = 322  # 17: errors found in this window
-COLUMN = 339  # 17: scratch
-FIELD = 356  # 2: reference of the magnetic field, horizontal and up, in the magnetometer's unit
-FIELD_TIME = 358  # s, how long the reference has been learned
-CANDIDATE = 359  # 3: recent field in motion, horizontal and up, and its variance
-STEADY = 362  # s of motion through which the candidate has stayed the same
-DEVIATION = 363  # squared deviation of the field from the reference, its peaks slowly released
-STUCK = 364  # rad, rotation since the magnetometer last read anything new
-LATEST_MAG = 365  # 3
-REST_TIME = 368  # s, how long the sensor has been at rest
-STRETCH = 369  # 4: sums of gyro times dt and of dt over the current stretch of rest
-WAITING = 373  # 4: the stretch before, whose mean is believed once the current one is complete
-NEXT_PART = 377  # s into the window, when TURN is next due
+TRAVEL = 33  # 3: velocity that the body keeps in its own axes, m/s
+COVARIANCE = 36  # 20 x 20
+CORRECTION = 436  # 20: errors found in this window
+COLUMN = 456  # 20: scratch
+FIELD = 476  # 2: reference of the magnetic field, horizontal and up, in the magnetometer's unit
+FIELD_TIME = 478  # s, how long the reference has been learned
+CANDIDATE = 479  # 3: recent field in motion, horizontal and up, and its variance
+STEADY = 482  # s of motion through which the candidate has stayed the same
+DEVIATION = 483  # squared deviation of the field from the reference, its peaks slowly released
+STUCK = 484  # rad, rotation since the magnetometer last read anything new
+LATEST_MAG = 485  # 3
+REST_TIME = 488  # s, how long the sensor has been at rest
+STRETCH = 489  # 4: sums of gyro times dt and of dt over the current stretch of rest
+WAITING = 493  # 4: the stretch before, whose mean is believed once the current one is complete
+NEXT_PART = 497  # s into the window, when TURN is next due
 # Sums over the current window, zero at its start.
-SUMS = 378
-LENGTH = 378  # s
-GYRO_SUM = 379  # 3: times dt
-GYRO_SQUARES = 382
-ACCEL_SUM = 383  # 3: times dt
-ACCEL_SQUARES = 386
-ACCEL_TIME = 387  # s, of accelerometer samples that count
-FORCE_SUM = 388  # 2: horizontal specific force times dt
-MAG_SUM = 390  # 3: field in N
-MAG_COUNT = 393
-TURN = 394  # 3 x 12: what an error of each of the constants turns the attitude by
-SUMMED = 430  # 4: LENGTH and GYRO_SUM that TURN already holds
-SUMS_END = 434
-STATE = 434
+SUMS = 498
+LENGTH = 498  # s
+GYRO_SUM = 499  # 3: times dt
+GYRO_SQUARES = 502
+ACCEL_SUM = 503  # 3: times dt
+ACCEL_SQUARES = 506
+ACCEL_TIME = 507  # s, of accelerometer samples that count
+FORCE_SUM = 508  # 2: horizontal specific force times dt
+MAG_SUM = 510  # 3: field in N
+MAG_COUNT = 513
+TURN = 514  # 3 x 12: what an error of each of the constants turns the attitude by
+SUMMED = 550  # 4: LENGTH and GYRO_SUM that TURN already holds
+SUMS_END = 554
+STATE = 554
 
 # ---- Parameters of every step.
 START_NORTH = 0  # 1 where the first attitude wants a magnetometer sample
@@ -83,4 +85,7 @@ FIELD_RELEASE = 14  # s
 FIELD_MEMORY = 15  # s
 REST_GYRO = 16  # rad/s
 REST_ACCEL = 17  # m/s^2
-PARAMETERS = 18
+TRAVEL_SPREAD = 18  # m/s
+TRAVEL_TIME = 19  # s
+TILT_TIME = 20  # s, over which a tilt's errors are one
+PARAMETERS = 21

@@ -9,21 +9,21 @@ import math
 
 from kreisel.estimate.filters.dcm import layout as at
 from kreisel.estimate.filters.dcm.start import bridge, is_rate, start
-from kreisel.estimate.filters.dcm.vectors import (
+from kreisel.maths.kernels import inlined, kernel
+from kreisel.maths.vectors import (
     NONE,
     Array,
+    Rows,
     Vector,
     added,
     cross,
     dot,
     inverse_root_near_one,
     load,
-    norm,
     rotated,
     scaled,
     store,
 )
-from kreisel.maths.kernels import inlined, kernel
 
 
 @inlined
@@ -32,80 +32,189 @@ def _at_step(weight: float, own: float, periods: float) -> float:
     return own * math.expm1(periods * math.log1p(weight / own))
 
 
+# A field whose horizontal part is less than a thousandth of it (0.06 deg) has no direction but that of noise.
+_STEEP2 = 1e-6
+
+
 @inlined
-def _orthonormal(east: Vector, north: Vector) -> tuple[Vector, Vector, Vector]:
-    """Both corrected by half of what they lack to a right angle, made unit vectors, and up = east x north."""
-    ee, nn, half = dot(east, east), dot(north, north), 0.5 * dot(east, north)
-    # The norms of the corrected vectors from these three products: they need not wait for the vectors.
-    half2 = half * half
-    k_e = inverse_root_near_one(ee - half2 * (4.0 - nn))
-    k_n = inverse_root_near_one(nn - half2 * (4.0 - ee))
+def weights_of(params: Array, dt: float) -> Vector:
+    """Of gyro, accelerometer and magnetometer in a step of dt."""
+    w_g, w_a, w_m = params[at.WEIGHT_GYRO], params[at.WEIGHT_ACCEL], params[at.WEIGHT_MAG]
+    if params[at.RATE_HZ] > 0.0:
+        w_a = _at_step(w_a, w_g, dt * params[at.RATE_HZ])
+        w_m = _at_step(w_m, w_g, dt * params[at.RATE_HZ])
+    return w_g, w_a, w_m
+
+
+@inlined
+def _dtheta(rows: Rows, turn: Vector, accel: Vector, mag: Vector, weights: Vector, setting: Vector) -> Vector:
+    """The weighted mean of the rotations that the three sensors ask for; `turn` is the gyro's.
+
+    setting : 1 where weights count only around the axes that a sensor observes; cosine and sine of declination.
+    The horizontal field is h = m - (up . m) up, and both its norm and north x h are written with up . m, as
+    late as they can be: each step waits for the one before, so that its longest chain of operations is its time.
+    """
+    east, north, up = rows
+    a2, m2, u2 = dot(accel, accel), dot(mag, mag), dot(up, up)
+    has_accel, has_mag = 1e-60 < a2 < 1e60, 1e-60 < m2 < 1e60
+    accel, a2 = (accel, a2) if has_accel else (NONE, 1.0)
+    mag, m2 = (mag, m2) if has_mag else (NONE, 1.0)
+    rise = dot(up, mag)
+    h2 = m2 - rise * rise * (2.0 - u2)
+    has_mag = has_mag and h2 > _STEEP2 * m2
+    w_g, w_a, w_m = weights[0], weights[1] if has_accel else 0.0, weights[2]
+    # The accelerometer sees rotations across `up`, a magnetometer made horizontal those around it; the
+    # document divides by the sum of all weights nevertheless. Both quotients are ready before `has_mag` is.
+    observed = setting[0] == 1.0
+    without = 1.0 / (w_g + w_a)
+    with_mag = without if observed else 1.0 / (w_g + w_a + w_m)
+    around_with, around_without = (1.0 / (w_g + w_m), 1.0 / w_g) if observed else (with_mag, without)
+    across, around = (with_mag, around_with) if has_mag else (without, around_without)
+    # Magnetic north, where the answer has it.
+    north = added(scaled(setting[1], north), setting[2], east)
+    dtheta = added(scaled(w_g * across, turn), w_g * (around - across) * dot(turn, up), up)
+    # K x (A - K) is K x A.
+    dtheta = added(dtheta, w_a * across * (math.sqrt(a2) * (1.0 / a2)), cross(up, accel))
+    horizontal = added(cross(north, mag), -rise, cross(north, up))
+    # The root of what is not positive is not used.
+    return added(dtheta, w_m * around * (math.sqrt(h2) * (1.0 / h2)) if has_mag else 0.0, horizontal)
+
+
+@inlined
+def _moved(rows: Rows, dtheta: Vector) -> Rows:
+    """The axes moved by dtheta x r, corrected by half of what they lack to a right angle and made unit vectors."""
+    # East is -J: what moves or corrects J does the same to it.
+    east, north, _ = rows
+    d_east, d_north = cross(dtheta, east), cross(dtheta, north)
+    # Norms and products of the moved vectors from those before and those of the moves, for east . d_east = 0 and
+    # east . d_north = -north . d_east: they need not wait for the vectors.
+    ee = (dot(east, east) - 1.0) + dot(d_east, d_east)
+    nn = (dot(north, north) - 1.0) + dot(d_north, d_north)
+    en = dot(east, north) + dot(d_east, d_north)
+    return _orthonormal(added(east, 1.0, d_east), added(north, 1.0, d_north), ee, nn, en)
+
+
+@inlined
+def _orthonormal(east: Vector, north: Vector, ee: float, nn: float, en: float) -> Rows:
+    """Both corrected by half of what they lack to a right angle, made unit vectors, and up = east x north.
+
+    ee, nn : their squared norms less one; en : their product.
+    """
+    half = 0.5 * en
+    k_e = inverse_root_near_one(ee - (en * en) * (0.75 - 0.25 * nn))
+    k_n = inverse_root_near_one(nn - (en * en) * (0.75 - 0.25 * ee))
     e, n = added(east, -half, north), added(north, -half, east)
     return scaled(k_e, e), scaled(k_n, n), scaled(k_e * k_n, cross(e, n))
 
 
 @inlined
-def _step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, dt: float) -> None:
+def advanced(
+    rows: Rows, turn: Vector, accel: Vector, mag: Vector, weights: Vector, setting: Vector, exact: bool
+) -> Rows:
+    """The axes after a step with these samples."""
+    dtheta = _dtheta(rows, turn, accel, mag, weights, setting)
+    if not exact:
+        return _moved(rows, dtheta)
+    east, north = rotated(dtheta, rows[0]), rotated(dtheta, rows[1])
+    return _orthonormal(east, north, dot(east, east) - 1.0, dot(north, north) - 1.0, dot(east, north))
+
+
+@inlined
+def setting_of(params: Array) -> Vector:
+    """Whether weights count only where they observe, and the declination's cosine and sine."""
+    return params[at.OBSERVED], params[at.DECLINATION], params[at.DECLINATION + 1]
+
+
+@inlined
+def waits(state: Array, params: Array) -> bool:
+    """Whether the first attitude is still to be told by samples."""
+    return state[at.LEVELLED] == 0.0 or state[at.NORTHED] < params[at.START_NORTH]
+
+
+@kernel
+def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, dt: float) -> None:
     """Move `state` over the `dt` seconds that end with these samples."""
-    waits = state[at.LEVELLED] == 0.0 or state[at.NORTHED] < params[at.START_NORTH]
-    if (waits and start(state, params, accel, mag)) or not dt > 0.0:
+    if (waits(state, params) and start(state, params, accel, mag)) or not dt > 0.0:
         return
     state[at.FLAGS] = state[at.CALM]
-    # East is -J: what moves or corrects J does the same to it.
-    east, north, up = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
     if is_rate(gyro):
         state[at.GAP] = 0.0
         store(state, at.RATE, gyro)
     else:
         gyro = bridge(state, params, dt)
-    turn = scaled(-dt, gyro)
-    w_g, w_a, w_m = params[at.WEIGHT_GYRO], params[at.WEIGHT_ACCEL], params[at.WEIGHT_MAG]
-    if params[at.RATE_HZ] > 0.0:
-        w_a = _at_step(w_a, w_g, dt * params[at.RATE_HZ])
-        w_m = _at_step(w_m, w_g, dt * params[at.RATE_HZ])
-    n_a = norm(accel)
-    if n_a == 0.0:
-        n_a, w_a, accel = 1.0, 0.0, NONE
-    h = added(mag, -dot(up, mag), up)
-    n_h = norm(h)
-    if n_h == 0.0:
-        n_h, w_m, h = 1.0, 0.0, NONE
-    if params[at.DECLINATION] != 1.0:
-        h = added(scaled(params[at.DECLINATION], h), params[at.DECLINATION + 1], cross(up, h))
-    # The accelerometer sees rotations across `up`, a magnetometer made horizontal those around it; the
-    # document divides by the sum of all weights nevertheless.
-    across, around = 1.0 / (w_g + w_a), 1.0 / (w_g + w_m)
-    if params[at.OBSERVED] == 0.0:
-        across = around = 1.0 / (w_g + w_a + w_m)
-    dtheta = added(scaled(w_g * across, turn), w_g * (around - across) * dot(turn, up), up)
-    # K x (A - K) is K x A; each norm, slow to come, is divided out last.
-    dtheta = added(dtheta, w_a * across / n_a, cross(up, accel))
-    dtheta = added(dtheta, w_m * around / n_h, cross(north, h))
-    if params[at.EXACT] == 1.0:
-        east, north = rotated(dtheta, east), rotated(dtheta, north)
-    else:
-        east, north = added(east, 1.0, cross(dtheta, east)), added(north, 1.0, cross(dtheta, north))
-    east, north, up = _orthonormal(east, north)
-    store(state, at.R_NS, east)
-    store(state, at.R_NS + 3, north)
-    store(state, at.R_NS + 6, up)
+    rows = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
+    weights, setting = weights_of(params, dt), setting_of(params)
+    rows = advanced(rows, scaled(-dt, gyro), accel, mag, weights, setting, params[at.EXACT] == 1.0)
+    store(state, at.R_NS, rows[0])
+    store(state, at.R_NS + 3, rows[1])
+    store(state, at.R_NS + 6, rows[2])
 
 
 @kernel
 def update(state: Array, params: Array, sample: Array, dt: float) -> None:
     """One step, `sample` (9,) being gyro, accel and mag."""
-    _step(state, params, load(sample, 0), load(sample, 3), load(sample, 6), dt)
+    step(state, params, load(sample, 0), load(sample, 3), load(sample, 6), dt)
 
 
 @kernel
 def batch(
-    state: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, answers: Array
+    state: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, first: int, answers: Array
 ) -> None:
-    """All steps; answers (n, at.ANSWER) are the head of the state after each."""
-    for k in range(t.size):
+    """The steps from sample `first` on; answers (m, at.ANSWER) are the head of the state after each."""
+    i = 0
+    while i < answers.shape[0]:
+        k = first + i
         g = gyro[k, 0], gyro[k, 1], gyro[k, 2]
         a = accel[k, 0], accel[k, 1], accel[k, 2]
         m = mag[k, 0], mag[k, 1], mag[k, 2]
-        _step(state, params, g, a, m, t[k] - t[max(k - 1, 0)])
-        for i in range(at.ANSWER):
-            answers[k, i] = state[i]
+        step(state, params, g, a, m, t[k] - t[max(k - 1, 0)])
+        for j in range(at.ANSWER):
+            answers[i, j] = state[j]
+        i += 1
+        if not waits(state, params) and params[at.RATE_HZ] == 0.0:
+            i = _ordinary(state, params, t, gyro, accel, mag, first, answers, i)
+
+
+@kernel
+def _ordinary(
+    state: Array,
+    params: Array,
+    t: Array,
+    gyro: Array,
+    accel: Array,
+    mag: Array,
+    first: int,
+    answers: Array,
+    i: int,
+) -> int:
+    """The steps from answer i on, up to the first whose gyro sample is missing or whose time stands still.
+
+    The axes stay in registers, and no array is passed on: both would cost more than a third of the time.
+    """
+    exact, setting, weights = params[at.EXACT] == 1.0, setting_of(params), weights_of(params, 0.0)
+    east, north, up = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
+    calm, heading, g = state[at.CALM], state[at.HEADING], NONE
+    begin, end = i, answers.shape[0]
+    while i < end:
+        k = first + i
+        dt = t[k] - t[k - 1]
+        new = gyro[k, 0], gyro[k, 1], gyro[k, 2]
+        if not is_rate(new) or not dt > 0.0:
+            break
+        g = new
+        a = accel[k, 0], accel[k, 1], accel[k, 2]
+        m = mag[k, 0], mag[k, 1], mag[k, 2]
+        east, north, up = advanced((east, north, up), scaled(-dt, g), a, m, weights, setting, exact)
+        answers[i, 0], answers[i, 1], answers[i, 2] = east
+        answers[i, 3], answers[i, 4], answers[i, 5] = north
+        answers[i, 6], answers[i, 7], answers[i, 8] = up
+        answers[i, 9] = answers[i, 10] = answers[i, 11] = 0.0
+        answers[i, at.FLAGS], answers[i, at.HEADING] = calm, heading
+        i += 1
+    if i > begin:
+        store(state, at.R_NS, east)
+        store(state, at.R_NS + 3, north)
+        store(state, at.R_NS + 6, up)
+        store(state, at.RATE, g)
+        state[at.FLAGS], state[at.GAP] = calm, 0.0
+    return i

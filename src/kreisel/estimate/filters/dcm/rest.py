@@ -2,8 +2,8 @@
 
 from kreisel.estimate.filters.dcm import layout as at
 from kreisel.estimate.filters.dcm.covariance import observe
-from kreisel.estimate.filters.dcm.vectors import Array, dot, load, scaled
 from kreisel.maths.kernels import kernel
+from kreisel.maths.vectors import Array, dot, load, scaled
 
 # rad/s/sqrt(Hz): how well a mean at rest is known. Some three times a phone's gyro, for tables and hands.
 _GYRO_NOISE = 5e-4

@@ -3,12 +3,26 @@
 import math
 
 from kreisel.estimate.filters.dcm import layout as at
-from kreisel.estimate.filters.dcm.vectors import Array, Vector, added, cross, dot, load, scaled, store, unit
 from kreisel.maths.directions import VERTICAL
 from kreisel.maths.kernels import inlined, kernel
+from kreisel.maths.vectors import (
+    NONE,
+    Array,
+    Vector,
+    added,
+    cross,
+    dot,
+    load,
+    scaled,
+    store,
+    unit,
+)
 
 # rad/s: 5700 deg/s, which no gyro of this kind reads; a number beyond it is a fault.
 _NO_RATE = 100.0
+
+# Sine of 0.06 deg: a field that near to the vertical has no direction but that of noise and round-off.
+_STEEP = 1e-3
 
 
 @kernel
@@ -41,8 +55,9 @@ def start(state: Array, params: Array, accel: Vector, mag: Vector) -> bool:
 
 @inlined
 def _horizontal(up: Vector, a: Vector) -> Vector:
-    """Direction of `a` made perpendicular to the unit vector `up`; zero where nothing finite is left."""
-    return unit(added(a, -dot(up, a), up))
+    """Direction of `a` made perpendicular to the unit vector `up`; zero where no more than noise is left."""
+    level = added(a, -dot(up, a), up)
+    return unit(level) if dot(level, level) > _STEEP**2 * dot(a, a) else NONE
 
 
 @inlined

@@ -7,7 +7,9 @@ import math
 
 from kreisel.estimate.filters.dcm import layout as at
 from kreisel.estimate.filters.dcm.start import bridge, is_rate, start
-from kreisel.estimate.filters.dcm.vectors import (
+from kreisel.estimate.filters.dcm.window import close_part
+from kreisel.maths.kernels import inlined, kernel
+from kreisel.maths.vectors import (
     Array,
     Vector,
     added,
@@ -19,8 +21,6 @@ from kreisel.estimate.filters.dcm.vectors import (
     scaled,
     store,
 )
-from kreisel.estimate.filters.dcm.window import close_part
-from kreisel.maths.kernels import inlined, kernel
 
 # m/s^2: 50 g; what is beyond is a blow that no average survives, or a fault.
 _NO_FORCE = 500.0
@@ -93,13 +93,14 @@ def update(state: Array, params: Array, sample: Array, dt: float) -> None:
 
 @kernel
 def batch(
-    state: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, answers: Array
+    state: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, first: int, answers: Array
 ) -> None:
-    """All steps; answers (n, at.ANSWER) are the head of the state after each."""
-    for k in range(t.size):
+    """The steps from sample `first` on; answers (m, at.ANSWER) are the head of the state after each."""
+    for j in range(answers.shape[0]):
+        k = first + j
         g = gyro[k, 0], gyro[k, 1], gyro[k, 2]
         a = accel[k, 0], accel[k, 1], accel[k, 2]
         m = mag[k, 0], mag[k, 1], mag[k, 2]
         _step(state, params, g, a, m, t[k] - t[max(k - 1, 0)])
         for i in range(at.ANSWER):
-            answers[k, i] = state[i]
+            answers[j, i] = state[i]

@@ -1,16 +1,19 @@
 """Turns the sums of a window into corrections of attitude, gyro bias and gyro scale.
 
-The specific force in N, summed, is a velocity. That of a body which stays about its place stays small, while a
-tilt makes it run away by gravity times tilt: so the force is low-passed before it corrects the inclination. With
-bias and scale settled the correction is a Butterworth filter of second order. The field in N, averaged, gives the
-heading. Bias and scale follow from how these errors grow with time and with rotation.
+The specific force in N, summed, is a velocity. That of a body which stays about its place stays small, that of one
+which travels stays about the same in its own axes, while a tilt makes it run away by gravity times tilt: so the
+force is low-passed before it corrects the inclination. With bias and scale settled the correction is a Butterworth
+filter of second order. The field in N, averaged, gives the heading. Bias and scale follow from how these errors
+grow with time and with rotation.
 """
 
 from kreisel.estimate.filters.dcm import layout as at
-from kreisel.estimate.filters.dcm.covariance import observe, propagate
+from kreisel.estimate.filters.dcm.covariance import propagate
 from kreisel.estimate.filters.dcm.field import observe_field
 from kreisel.estimate.filters.dcm.rest import watch_rest
-from kreisel.estimate.filters.dcm.vectors import (
+from kreisel.estimate.filters.dcm.travel import forget_travel, observe_velocity
+from kreisel.maths.kernels import kernel
+from kreisel.maths.vectors import (
     Array,
     Vector,
     added,
@@ -22,7 +25,6 @@ from kreisel.estimate.filters.dcm.vectors import (
     store,
     unit,
 )
-from kreisel.maths.kernels import kernel
 
 # The window is summed in this many parts where its effect on the attitude is linearised.
 _PARTS = 16.0
@@ -77,6 +79,7 @@ def _correct(state: Array, params: Array) -> float:
     n = at.ERRORS
     P = state[at.COVARIANCE : at.COVARIANCE + n * n].reshape(n, n)
     propagate(state, params, P)
+    forget_travel(state, params, P)
     for i in range(2):
         state[at.VELOCITY + i] += state[at.FORCE_SUM + i]
     rest = watch_rest(state, params, P)
@@ -87,6 +90,7 @@ def _correct(state: Array, params: Array) -> float:
     for i in range(2):
         state[at.VELOCITY + i] -= state[at.CORRECTION + at.V + i]
     for i in range(3):
+        state[at.TRAVEL + i] -= state[at.CORRECTION + at.U + i]
         state[at.GYRO_BIAS + i] -= state[at.CORRECTION + at.B + i]
     for i in range(9):
         state[at.SCALE + i] -= state[at.CORRECTION + at.C + i]
@@ -95,11 +99,11 @@ def _correct(state: Array, params: Array) -> float:
 
 @kernel
 def _observe_velocity(state: Array, params: Array, P: Array, rest: bool) -> None:
-    """The velocity is zero, give or take what a body moves; a window without samples does not say so again."""
+    """Velocity is travel, give or take what a body moves; a window without samples does not say so again."""
     noise = _REST_NOISE if rest else params[at.VELOCITY_NOISE]
     if state[at.ACCEL_TIME] > 0.0:
         for i in range(2):
-            observe(state, P, at.V + i, state[at.VELOCITY + i], noise**2 / state[at.ACCEL_TIME])
+            observe_velocity(state, P, i, noise**2 / state[at.ACCEL_TIME], rest)
 
 
 @kernel

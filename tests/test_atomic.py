@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from kreisel.files.atomic import replacing
+from kreisel.atomic import replacing
 
 
 def test_bytes_appear_when_the_block_ends(tmp_path: Path) -> None:
@@ -83,3 +83,29 @@ def test_places_that_cannot_be(tmp_path: Path, name: str, message: str) -> None:
     (tmp_path / "f").touch()
     with pytest.raises(OSError, match=message), replacing(tmp_path / name) as out:
         out.write(b"x")
+
+
+def test_what_is_write_protected_stays(tmp_path: Path) -> None:
+    """Whoever runs this: the mode counts for an administrator too."""
+    (tmp_path / "x").write_bytes(b"old")
+    (tmp_path / "x").chmod(0o444)
+    with pytest.raises(PermissionError, match="write-protected"), replacing(tmp_path / "x") as out:
+        out.write(b"new")
+    assert (tmp_path / "x").read_bytes() == b"old"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+def test_a_device_that_is_full_is_named() -> None:
+    with pytest.raises(OSError, match="cannot write /dev/full: No space left"), replacing("/dev/full") as out:
+        out.write(b"x")
+
+
+def test_a_pipe_gets_the_bytes(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    reader = os.open(tmp_path / "pipe", os.O_RDONLY | os.O_NONBLOCK)
+    with replacing(tmp_path / "pipe") as out:
+        out.write(b"some")
+        out.seek(0)
+        out.write(b"S")
+    assert os.read(reader, 10) == b"Some"
+    os.close(reader)

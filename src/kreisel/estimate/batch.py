@@ -1,0 +1,174 @@
+"""Turns many recordings into attitude, abreast in the lanes of vector instructions where the filter can."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from itertools import groupby
+
+import numpy as np
+import numpy.typing as npt
+
+from kreisel.data.attitude import AttitudeHistory, Mask
+from kreisel.data.checks import increasing, shaped
+from kreisel.data.recording import ImuRecording
+from kreisel.estimate import filters as at
+from kreisel.estimate.answers import Columns
+from kreisel.estimate.filters import Array, AttitudeFilter, LaneFilter
+from kreisel.estimate.run import readings, run
+from kreisel.maths.kernels import argument
+
+# Samples whose answers fit the L2 cache for all lanes (0.5 MB), from where they are unpacked.
+_BLOCK = 256
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AttitudeBatch:
+    """Attitude of several runs at the same times; `batch[k]` is the history of run k."""
+
+    t: Array  # (n,) s
+    R_NS: Array  # (runs, n, 3, 3)
+    gyro_bias: Array  # (runs, n, 3) rad/s, in S
+    a_N: Array  # (runs, n, 3) m/s^2, acceleration in N without gravity
+    rest: Mask  # (runs, n) the sensor was taken to be at rest
+    disturbed: Mask  # (runs, n) the magnetometer was not trusted
+    held: Mask  # (runs, n) a gyro sample was missing and the last rate was held
+
+    def __len__(self) -> int:
+        return len(self.R_NS)
+
+    def __getitem__(self, k: int) -> AttitudeHistory:
+        return AttitudeHistory(
+            self.t,
+            self.R_NS[k],
+            gyro_bias=self.gyro_bias[k],
+            a_N=self.a_N[k],
+            rest=self.rest[k],
+            disturbed=self.disturbed[k],
+            held=self.held[k],
+        )
+
+
+def run_batch(
+    filter: AttitudeFilter,
+    t: npt.ArrayLike,
+    gyro: npt.ArrayLike,
+    accel: npt.ArrayLike,
+    mag_uT: npt.ArrayLike | None = None,
+    *,
+    R_NS: npt.ArrayLike | None = None,
+    threads: int | None = None,
+) -> AttitudeBatch:
+    """The attitudes of several runs that were sampled at the same times, each with the bits `run` gives it.
+
+    t : (n,) s, strictly increasing. gyro : (runs, n, 3) rad/s. accel : (runs, n, 3) m/s^2. mag_uT : (runs, n, 3).
+    R_NS : (3, 3) or (runs, 3, 3), the first attitudes where they are known.
+    threads : how many at most; None for all cores.
+    Raises ValueError for other shapes, and where the filter needs a magnetometer and there is none.
+    """
+    t = increasing("t", shaped("t", t, ("n",)))
+    gyro = shaped("gyro", gyro, ("runs", len(t), 3))
+    accel = shaped("accel", accel, gyro.shape)
+    mag = None if mag_uT is None else shaped("mag_uT", mag_uT, gyro.shape)
+    runs = len(gyro)
+    first = None if R_NS is None else np.broadcast_to(np.asarray(R_NS, float), (runs, 3, 3))
+    columns = Columns.of(runs, len(t))
+
+    readings(filter, t[:0], gyro[:0], accel[:0], mag)
+
+    def tile(part: slice) -> None:
+        known = None if first is None else first[part]
+        readings = gyro[part], accel[part], None if mag is None else mag[part]
+        _fill(filter, t, readings, known, columns.part(part))
+
+    _in_threads(tile, _tiles(filter, runs), threads)
+    for column in columns:
+        column.flags.writeable = False
+    return AttitudeBatch(t, *columns)
+
+
+def run_all(
+    filter: AttitudeFilter, recordings: Sequence[ImuRecording], *, threads: int | None = None
+) -> list[AttitudeHistory]:
+    """What `run` makes of each recording, of any length and rate; those on the same stamps go abreast.
+
+    threads : how many at most; None for all cores.
+    Raises ValueError where the filter needs a magnetometer that one of the recordings does not have.
+    """
+    histories: list[AttitudeHistory | None] = [None] * len(recordings)
+
+    def together(members: Sequence[int]) -> None:
+        if len(members) < _lanes(filter):
+            for k in members:
+                histories[k] = run(filter, recordings[k])
+            return
+        alike = [recordings[k] for k in members]
+        gyro, accel = np.stack([r.gyro for r in alike]), np.stack([r.accel for r in alike])
+        mag = None if alike[0].mag_uT is None else np.stack([r.mag_uT for r in alike if r.mag_uT is not None])
+        columns = Columns.of(len(members), len(alike[0]))
+        _fill(filter, alike[0].t, (gyro, accel, mag), None, columns)
+        for i, k in enumerate(members):
+            histories[k] = columns.history(i, recordings[k])
+
+    _in_threads(together, _alike(recordings, _lanes(filter)), threads)
+    return [history for history in histories if history is not None]
+
+
+def _lanes(filter: AttitudeFilter) -> int:
+    return filter.lanes if isinstance(filter, LaneFilter) else 1
+
+
+def _tiles(filter: AttitudeFilter, runs: int) -> list[slice]:
+    """As many runs as there are lanes in each, and the remaining ones one by one."""
+    lanes = _lanes(filter)
+    whole = runs - runs % lanes
+    return [slice(k, k + lanes) for k in range(0, whole, lanes)] + [
+        slice(k, k + 1) for k in range(whole, runs)
+    ]
+
+
+def _alike(recordings: Sequence[ImuRecording], lanes: int) -> list[list[int]]:
+    """Numbers of recordings, grouped by what lets them go abreast and at most `lanes` in a group."""
+
+    def key(k: int) -> tuple[bool, bytes]:
+        return recordings[k].mag_uT is None, recordings[k].t.tobytes() if lanes > 1 else b""
+
+    groups = [list(group) for _, group in groupby(sorted(range(len(recordings)), key=key), key)]
+    size = max(lanes, 1)
+    return [group[i : i + size] for group in groups for i in range(0, len(group), size)]
+
+
+def _fill(
+    filter: AttitudeFilter,
+    t: Array,
+    sensors: tuple[Array, Array, Array | None],
+    R_NS: Array | None,
+    columns: Columns,
+) -> None:
+    """Run one tile: abreast where it has as many runs as the filter has lanes."""
+    t, gyro, accel, mag = readings(filter, t, *sensors)
+    runs, n = gyro.shape[:2]
+    firsts = [None] * runs if R_NS is None else list(R_NS)
+    states, parameters = np.stack([filter.start(first) for first in firsts]), filter.parameters()
+    stamps = argument(np.tile(t, (runs, 1)))
+    for first in range(0, n, _BLOCK):
+        answers = np.empty((runs, min(_BLOCK, n - first), at.ANSWER))
+        if isinstance(filter, LaneFilter) and runs == filter.lanes > 1:
+            filter.batch_of_lanes(states, parameters, stamps, gyro, accel, mag, first, answers)
+        else:
+            for k in range(runs):
+                filter.batch(states[k], parameters, t, gyro[k], accel[k], mag[k], first, answers[k])
+        columns.fill(first, answers, accel)
+
+
+def _in_threads(work: Callable[..., None], parts: Iterable[object], threads: int | None) -> None:
+    """`work` on every part, at once where there are several threads; the first error is raised."""
+    count = len(os.sched_getaffinity(0)) if threads is None else threads
+    if count <= 1:
+        for part in parts:
+            work(part)
+        return
+    with ThreadPoolExecutor(count) as pool:
+        list(pool.map(work, parts))
