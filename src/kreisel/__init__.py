@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from kreisel.data.attitude import AttitudeHistory as AttitudeHistory
     from kreisel.data.attitude import Reference as Reference
+    from kreisel.data.calibration import Calibration as Calibration
     from kreisel.data.environment import Environment as Environment
     from kreisel.data.increments import ImuIncrements as ImuIncrements
     from kreisel.data.motion import Motion as Motion
@@ -51,6 +52,9 @@ if TYPE_CHECKING:
     from kreisel.evaluate.allan import allan as allan
     from kreisel.evaluate.attitude_errors import AttitudeErrors as AttitudeErrors
     from kreisel.evaluate.attitude_errors import attitude_errors as attitude_errors
+    from kreisel.evaluate.calibrate import calibrate_accel as calibrate_accel
+    from kreisel.evaluate.calibrate import calibrate_gyro as calibrate_gyro
+    from kreisel.evaluate.calibrate import calibrate_mag as calibrate_mag
     from kreisel.evaluate.motion_errors import MotionErrors as MotionErrors
     from kreisel.evaluate.motion_errors import motion_errors as motion_errors
     from kreisel.files.doors import read as read
@@ -103,6 +107,10 @@ _HOMES = {
     "attitude_errors": "kreisel.evaluate.attitude_errors",
     "AttitudeErrors": "kreisel.evaluate.attitude_errors",
     "AttitudeHistory": "kreisel.data.attitude",
+    "calibrate_accel": "kreisel.evaluate.calibrate",
+    "calibrate_gyro": "kreisel.evaluate.calibrate",
+    "calibrate_mag": "kreisel.evaluate.calibrate",
+    "Calibration": "kreisel.data.calibration",
     "Bandwidth": "kreisel.simulate.effects.bandwidth",
     "BiasInstability": "kreisel.simulate.effects.bias_instability",
     "BiasRandomWalk": "kreisel.simulate.effects.bias_random_walk",

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from datetime import date
 
 import numpy as np
 
-from kreisel.data.checks import Array, finite, shaped
+from kreisel.data.checks import Array, finite, scalar, shaped
 
 STANDARD_GRAVITY = 9.80665
 """m/s^2; BIPM, SI brochure, conventional value of the acceleration due to gravity."""
@@ -18,6 +19,33 @@ class Environment:
 
     g_N: Array = field(default_factory=lambda: np.array([0.0, 0.0, -STANDARD_GRAVITY]))  # (3,) m/s^2
     field_N_uT: Array | None = None  # (3,) microtesla; None where nobody asks for a magnetometer
+
+    @classmethod
+    def at(cls, latitude_deg: float, longitude_deg: float, height_m: float, day: date) -> Environment:
+        """Gravity and, by the World Magnetic Model, the magnetic field at a place on a day.
+
+        latitude_deg, longitude_deg: geodetic, WGS 84, north and east positive. height_m: above the ellipsoid.
+        N stays an inertial frame: the Earth does not turn (`kreisel.maths.earth.earth_rate` says how fast it would).
+        Raises ValueError for a place that is none and a day that no magnetic model covers.
+        """
+        from kreisel.maths.earth import magnetic_field_uT, normal_gravity
+
+        latitude = float(np.deg2rad(scalar("latitude_deg", latitude_deg, "deg", -90.0, 90.0)))
+        longitude = float(np.deg2rad(scalar("longitude_deg", longitude_deg, "deg", -180.0, 360.0)))
+        height = scalar("height_m", height_m, "m", -1000.0, 100_000.0)
+        if not isinstance(day, date):
+            raise TypeError(
+                f"day must be a datetime.date, such as date(2026, 5, 1); got {type(day).__name__}."
+            )
+        g_N = np.array([0.0, 0.0, -normal_gravity(latitude, height)])
+        return cls(g_N, magnetic_field_uT(latitude, longitude, height, day))
+
+    @property
+    def declination(self) -> float | None:
+        """How far magnetic north lies east of true north, rad; None without a field or where it is vertical."""
+        if self.field_N_uT is None or not self.field_N_uT[:2].any():
+            return None
+        return float(np.arctan2(self.field_N_uT[0], self.field_N_uT[1]))
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "g_N", finite("g_N", shaped("g_N", self.g_N, (3,))))

@@ -1,0 +1,61 @@
+"""`kreisel calibrate`: a recording in, a calibration file out, and with it a better recording."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import kreisel
+from kreisel.cli.main import main
+from kreisel.files.calibrations import read_calibration, write_calibration
+from kreisel.maths.rotations import exp_so3
+
+T = np.arange(1500) / 50.0
+BIAS = np.array([0.01, -0.02, 0.03])
+
+
+@pytest.fixture
+def turned(tmp_path) -> str:
+    """Ten seconds of rest, then the field from everywhere."""
+    R = exp_so3(np.random.default_rng(7).uniform(-2.0, 2.0, (1500, 3)))
+    R[:500] = np.eye(3)
+    gyro = np.where(T < 10.0, 0.0, np.sin(20.0 * T))[:, None] + BIAS
+    mag = np.array([0.0, 20.0, -40.0]) @ R + [5.0, -6.0, 7.0]
+    path = tmp_path / "turned.csv"
+    kreisel.write(path, kreisel.ImuRecording(T, gyro, np.array([0.0, 0.0, 9.80665]) @ R, mag))
+    return str(path)
+
+
+def test_calibrate_then_apply(turned, tmp_path, capsys) -> None:
+    out, better = tmp_path / "calibration.toml", tmp_path / "better.csv"
+    assert main(["calibrate", turned, "--gyro", "--mag", "-o", str(out)]) == 0
+    text = capsys.readouterr().out
+    assert "hard iron (5 ±" in text and "dip 63.4 deg" in text
+    calibration = read_calibration(out)
+    assert calibration.accel is None
+    np.testing.assert_allclose(calibration.gyro.bias, BIAS, atol=1e-9)
+    assert main(["calibrate", turned, "--apply", str(out), "-o", str(better)]) == 0
+    strength = np.linalg.norm(kreisel.read(better).mag_uT, axis=1)
+    np.testing.assert_allclose(strength, np.hypot(20.0, 40.0), rtol=1e-8)
+
+
+def test_without_flags_what_shows_is_calibrated_and_the_rest_noted(turned, tmp_path, capsys) -> None:
+    out = tmp_path / "calibration.toml"
+    assert main(["calibrate", turned, "-o", str(out)]) == 0
+    assert "note: no accel" in capsys.readouterr().err
+    assert main(["calibrate", turned, "--accel", "-o", str(out)]) == 1
+
+
+def test_a_calibration_file_reads_back_and_a_wrong_one_says_where(tmp_path) -> None:
+    path = tmp_path / "c.toml"
+    triad = kreisel.data.calibration.TriadCalibration(
+        np.diag([1.1, 1.2, 1.3]), BIAS, 0.1 * np.ones((3, 3)), BIAS**2
+    )
+    write_calibration(path, kreisel.Calibration(accel=triad))
+    back = read_calibration(path)
+    assert back.gyro is None and back.mag is None
+    for name in ("matrix", "bias", "matrix_error", "bias_error"):
+        np.testing.assert_array_equal(getattr(back.accel, name), getattr(triad, name))
+    path.write_text(path.read_text().replace("m/s^2", "g"))
+    with pytest.raises(ValueError, match=r"unit of \[accel\] must be one of 'm/s\^2'; got 'g'"):
+        read_calibration(path)
