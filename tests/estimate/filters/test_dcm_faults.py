@@ -87,7 +87,7 @@ def test_iron_on_the_body_is_seen_and_hardly_believed(rng: np.random.Generator) 
 def test_a_reference_learned_beside_iron_is_given_up(rng: np.random.Generator) -> None:
     recording, truth = worn(240.0, rng)
     assert recording.mag_uT is not None
-    beside = recording.t < 20.0
+    beside = recording.t < 19.5
     field = truth.transpose(0, 2, 1) @ np.array([9.0, -4.0, 6.0])
     mag = recording.mag_uT + np.where(beside[:, None], field, 0.0)
     heading = angles_deg(run(DcmFilter(), dataclasses.replace(recording, mag_uT=mag)).R_NS, truth)[1]
@@ -182,3 +182,17 @@ def test_a_vertical_field_gives_no_heading_and_no_nonsense(filter: DcmFilter) ->
     history = run(filter, ImuRecording(np.arange(n) * 0.01, 0.1 * same, same * 5.66, mag_uT=same * 20.0))
     defect = history.R_NS @ history.R_NS.swapaxes(1, 2) - np.eye(3)
     assert np.abs(defect).max() < 1e-11
+
+
+def test_a_start_in_motion_with_iron_on_the_body_does_not_believe_its_first_samples() -> None:
+    errors = []
+    for seed in range(24):
+        rng = np.random.default_rng(seed)
+        recording, truth = worn(60.0, rng, rest=0.0)
+        assert recording.mag_uT is not None
+        iron = exp_so3(rng.normal(size=(1, 3)))[0] @ np.array([15.0, 0.0, 0.0])
+        history = run(DcmFilter(), dataclasses.replace(recording, mag_uT=recording.mag_uT + iron))
+        errors.append(angles_deg(history.R_NS, truth)[1][int(20 * FS) :])
+    # Always the same 24, for one alone may go either way: 17.8 deg in all where a third of the field is iron,
+    # 21.4 with a reference that is believed from its first sample on.
+    assert np.sqrt(np.mean(np.square(errors))) < 19.5

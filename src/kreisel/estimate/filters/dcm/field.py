@@ -16,6 +16,11 @@ _STUCK = 0.35
 # Variance of a candidate that has not been watched yet, in any unit.
 _UNKNOWN = 1e12
 
+# A reference of one sample may be off by this share, as near a magnet or a steel desk; less with every second, until it
+# is as good as any after one of these parts of FIELD_MEMORY.
+_NEW = 0.3
+_PARTS = 4.0
+
 # How much wider than FIELD_SPREAD the world's field may spread through a room.
 _ROOM = 2.0
 
@@ -40,7 +45,8 @@ def observe_field(state: Array, params: Array, P: Array, rest: bool) -> float:
         _begin(state, level, up)
     norm2 = state[at.FIELD] ** 2 + state[at.FIELD + 1] ** 2
     deviation = _deviation(state, params, level, up)
-    doubt = 1.0 + deviation / (norm2 * (params[at.FIELD_SPREAD] ** 2 + tilt))
+    spread2 = params[at.FIELD_SPREAD] ** 2 + _young(state, params) ** 2
+    doubt = 1.0 + deviation / (norm2 * (spread2 + tilt))
     variance = (doubt * params[at.HEADING_NOISE]) ** 2 / state[at.LENGTH]
     # Tilt turns a steep field's heading too, and stays longer than a window: means do not cure it before TILT_TIME.
     # The smallest number keeps a vertical field from dividing by zero.
@@ -54,6 +60,12 @@ def observe_field(state: Array, params: Array, P: Array, rest: bool) -> float:
     if not rest:
         _reconsider(state, params, P, level, up)
     return at.DISTURBED if doubt > 2.0 else 0.0
+
+
+@kernel
+def _young(state: Array, params: Array) -> float:
+    """How far, as a share, the reference itself may be off: what first samples saw may have been iron."""
+    return _NEW * max(0.0, 1.0 - _PARTS * state[at.FIELD_TIME] / params[at.FIELD_MEMORY])
 
 
 @kernel
@@ -95,7 +107,7 @@ def _reconsider(state: Array, params: Array, P: Array, level: float, up: float) 
     motion. The heading may then be off by as much as the reference was.
     """
     room2 = (_ROOM * params[at.FIELD_SPREAD]) ** 2 * (level**2 + up**2)
-    k = min(1.0, 4.0 * state[at.LENGTH] / params[at.FIELD_MEMORY])
+    k = min(1.0, _PARTS * state[at.LENGTH] / params[at.FIELD_MEMORY])
     a, b = level - state[at.CANDIDATE], up - state[at.CANDIDATE + 1]
     state[at.CANDIDATE] += k * a
     state[at.CANDIDATE + 1] += k * b
