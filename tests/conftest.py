@@ -12,7 +12,9 @@ import pytest
 os.environ.setdefault("MPLBACKEND", "Agg")
 
 # The first call of a kernel compiles it, which no deadline foresees.
-hypothesis.settings.register_profile("kreisel", deadline=None, print_blob=True)
+hypothesis.settings.register_profile(
+    "kreisel", deadline=None, print_blob=True, derandomize=bool(os.environ.get("CI"))
+)
 hypothesis.settings.load_profile("kreisel")
 
 SEED = int(os.environ.get("KREISEL_TEST_SEED") or secrets.randbits(32))
