@@ -19,16 +19,19 @@ class Environment:
 
     g_N: Array = field(default_factory=lambda: np.array([0.0, 0.0, -STANDARD_GRAVITY]))  # (3,) m/s^2
     field_N_uT: Array | None = None  # (3,) microtesla; None where nobody asks for a magnetometer
+    omega_IN_N: Array = field(default_factory=lambda: np.zeros(3))  # (3,) rad/s at which N turns; 0: inertial
 
     @classmethod
-    def at(cls, latitude_deg: float, longitude_deg: float, height_m: float, day: date) -> Environment:
-        """Gravity and, by the World Magnetic Model, the magnetic field at a place on a day.
+    def at(
+        cls, latitude_deg: float, longitude_deg: float, height_m: float, day: date, *, turning: bool = False
+    ) -> Environment:
+        """Gravity and, by the World Magnetic Model, the magnetic field at a place on a day; the place is N's origin.
 
         latitude_deg, longitude_deg: geodetic, WGS 84, north and east positive. height_m: above the ellipsoid.
-        N stays an inertial frame: the Earth does not turn (`kreisel.maths.earth.earth_rate` says how fast it would).
+        turning: N turns with the Earth. Without, N is inertial and gravity, centrifugal part included, the same.
         Raises ValueError for a place that is none and a day that no magnetic model covers.
         """
-        from kreisel.maths.earth import magnetic_field_uT, normal_gravity
+        from kreisel.maths.earth import earth_rate, magnetic_field_uT, normal_gravity
 
         latitude = float(np.deg2rad(scalar("latitude_deg", latitude_deg, "deg", -90.0, 90.0)))
         longitude = float(np.deg2rad(scalar("longitude_deg", longitude_deg, "deg", -180.0, 360.0)))
@@ -38,7 +41,8 @@ class Environment:
                 f"day must be a datetime.date, such as date(2026, 5, 1); got {type(day).__name__}."
             )
         g_N = np.array([0.0, 0.0, -normal_gravity(latitude, height)])
-        return cls(g_N, magnetic_field_uT(latitude, longitude, height, day))
+        omega_IN_N = earth_rate(latitude) if turning else np.zeros(3)
+        return cls(g_N, magnetic_field_uT(latitude, longitude, height, day), omega_IN_N)
 
     @property
     def declination(self) -> float | None:
@@ -48,7 +52,8 @@ class Environment:
         return float(np.arctan2(self.field_N_uT[0], self.field_N_uT[1]))
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "g_N", finite("g_N", shaped("g_N", self.g_N, (3,))))
+        for name in ("g_N", "omega_IN_N"):
+            object.__setattr__(self, name, finite(name, shaped(name, getattr(self, name), (3,))))
         if self.field_N_uT is not None:
             field_N_uT = finite("field_N_uT", shaped("field_N_uT", self.field_N_uT, (3,)))
             object.__setattr__(self, "field_N_uT", field_N_uT)
