@@ -66,6 +66,9 @@ if TYPE_CHECKING:
     from kreisel.files.kalibr import write_kalibr as write_kalibr
     from kreisel.simulate.clock import Clock as Clock
     from kreisel.simulate.clock import Sampling as Sampling
+    from kreisel.simulate.disturbances.dipole import Dipole as Dipole
+    from kreisel.simulate.disturbances.drift import FieldDrift as FieldDrift
+    from kreisel.simulate.disturbances.step import FieldStep as FieldStep
     from kreisel.simulate.effects.bandwidth import Bandwidth as Bandwidth
     from kreisel.simulate.effects.bias_instability import BiasInstability as BiasInstability
     from kreisel.simulate.effects.bias_random_walk import BiasRandomWalk as BiasRandomWalk
@@ -120,8 +123,11 @@ _HOMES = {
     "Clock": "kreisel.simulate.clock",
     "coning": "kreisel.simulate.trajectories.coning",
     "DcmFilter": "kreisel.estimate.filters.dcm",
+    "Dipole": "kreisel.simulate.disturbances.dipole",
     "Environment": "kreisel.data.environment",
     "expressions": "kreisel.simulate.trajectories.expressions",
+    "FieldDrift": "kreisel.simulate.disturbances.drift",
+    "FieldStep": "kreisel.simulate.disturbances.step",
     "figure_eight": "kreisel.simulate.trajectories.lying_eight",
     "FunctionTrajectory": "kreisel.simulate.trajectories.functions",
     "GaussMarkov": "kreisel.simulate.effects.gauss_markov",

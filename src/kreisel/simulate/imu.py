@@ -136,7 +136,8 @@ class Imu:
 
         Source: document 000, eq. (9), with the specific force R_SN (a_N - g_N) for its a_S. Where the environment
         turns N, the gyroscope reads that rate too, and Coriolis and the centrifugal term are in a_N
-        (kreisel.maths.turning). Raises ValueError then for a motion that leaves the 100 km around the origin.
+        (kreisel.maths.turning). Raises ValueError then for a motion that leaves the 100 km around the origin, and
+        for one that runs into a magnet.
         """
         self._check_motion(motion)
         field_N_uT, turn = self.environment.field_N_uT, self.environment.omega_IN_N
@@ -147,7 +148,7 @@ class Imu:
             a_N = felt_acceleration(at_sensor.a_NB, at_sensor.v_NB, at_sensor.p_NB, turn)
             accel[rows] = specific_force(a_N, at_sensor.R_NB, self.environment.g_N)
             if field_N_uT is not None:
-                mag_uT[rows] = field_N_uT @ at_sensor.R_NB  # R_SN field, row by row
+                mag_uT[rows] = self._field_in_S(field_N_uT, at_sensor)
         return ImuRecording(
             t=motion.t,
             gyro=read_only(gyro),
@@ -156,6 +157,13 @@ class Imu:
             t0_ns=motion.t0_ns,
             name=self.mount.name,
         )
+
+    def _field_in_S(self, field_N_uT: Array, at_sensor: Motion) -> Array:
+        in_S = field_N_uT @ at_sensor.R_NB  # R_SN field, row by row
+        if self.environment.disturbances:
+            added = self.environment.disturbance_N_uT(at_sensor.t, at_sensor.p_NB)
+            in_S += np.einsum("nji,nj->ni", at_sensor.R_NB, added)
+        return np.asarray(in_S)
 
     def increments(self, motion: Motion) -> ImuIncrements:
         """What a perfect IMU at the mount adds up between the times of `motion`: coning and sculling are in it.
@@ -211,10 +219,17 @@ class Imu:
             ideal=ideal,
             gyro_bias=read_only(sensed["gyro"].bias),
             accel_bias=read_only(sensed["accel"].bias),
+            disturbance_N_uT=self._disturbance(motion),
             seed=seed,
             run=run,
             replay=partial(self._errors, motion, ideal, seed, run),
         )
+
+    def _disturbance(self, motion: Motion) -> Array | None:
+        if not self.environment.disturbances:
+            return None
+        p_NS = motion.p_NB + motion.R_NB @ self.mount.p_BS
+        return read_only(self.environment.disturbance_N_uT(motion.t, p_NS))
 
     def _errors(
         self, motion: Motion, ideal: ImuRecording, seed: int, run: int, sensor: str
