@@ -195,7 +195,7 @@ def _uniforms(words: Words, channel: int, out: Array) -> None:
 
 
 @kernel
-def _deal(even: Array, odd: Array, row: int, step: int, out: Array) -> None:
+def _deal(even: Array, odd: Array, row: np.int64, step: int, out: Array) -> None:
     """Write pairs of numbers to rows `row` and `row` + 1, `step` rows further on, ..., those that exist."""
     n = even.shape[0]
     first, last = (1 if row < 0 else 0), max(min(n, (out.shape[0] - row + step - 2) // step), 0)
