@@ -102,6 +102,7 @@ if TYPE_CHECKING:
     from kreisel.simulate.trajectories.sampled import SampledTrajectory as SampledTrajectory
     from kreisel.study.round_trip import round_trip as round_trip
     from kreisel.study.scenario import Scenario as Scenario
+    from kreisel.study.tune import tune as tune
 
 __version__ = "0.1.0"
 
@@ -167,6 +168,7 @@ _HOMES = {
     "Sampling": "kreisel.simulate.clock",
     "ScaleFactor": "kreisel.simulate.effects.scale_factor",
     "Scenario": "kreisel.study.scenario",
+    "tune": "kreisel.study.tune",
     "Stream": "kreisel.estimate.stream",
     "TemperatureBias": "kreisel.simulate.effects.temperature_bias",
     "TemperatureHistory": "kreisel.data.temperature",
