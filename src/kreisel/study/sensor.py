@@ -36,7 +36,7 @@ def sensor_imu(
 
 def errs(imu: Imu) -> bool:
     """Whether it has any errors to draw or to add."""
-    return bool(imu.gyro_effects or imu.accel_effects)
+    return bool(imu.gyro_effects or imu.accel_effects or imu.mag_effects)
 
 
 def record_all(
