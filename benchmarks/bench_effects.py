@@ -4,8 +4,8 @@
 
 White noise, random walk, Gauss-Markov, scale, misalignment, range and quantisation on six axes. "effects" is the
 chain alone, with every error term kept over time; "record" is all of `Imu.record`, which works out the ideal
-readings at the mount too. Plain NumPy is written as a careful user would: whole arrays, one generator,
-the recursion through `scipy.signal.lfilter`; it keeps no error terms. All take turns, on one
+readings at the mount too. Plain NumPy is written as a careful user would: whole arrays, one generator, the recursion
+as a loop or through `scipy.signal.lfilter`; it keeps no error terms. All take turns, on one
 thread: times are the best of all rounds, ratios the median of those within a round.
 """
 
@@ -61,12 +61,29 @@ EFFECTS = (
 )
 
 
-def in_plain_numpy(ideal: Array, dt: float, rng: np.random.Generator) -> Array:
+def by_loop(decay: float, kicks: Array) -> Array:
+    """The Gauss-Markov recursion as NumPy alone has it: sample by sample."""
+    out = np.empty_like(kicks)
+    x = np.zeros(kicks.shape[1])
+    for k, kick in enumerate(kicks):
+        x = out[k] = decay * x + kick
+    return out
+
+
+def by_lfilter(decay: float, kicks: Array) -> Array:
+    """The same by SciPy's compiled filter."""
+    return np.asarray(lfilter([1.0], [1.0, -decay], kicks, axis=0))
+
+
+Recursion = Callable[[float, Array], Array]
+
+
+def in_plain_numpy(ideal: Array, dt: float, rng: np.random.Generator, recursion: Recursion) -> Array:
     """The same model of one sensor, whole arrays at a time."""
     decay = np.exp(-dt / TIME_CONSTANT)
     kicks = rng.standard_normal(ideal.shape)
     kicks[1:] *= np.sqrt(1.0 - decay * decay)
-    wandering = SIGMA * lfilter([1.0], [1.0, -decay], kicks, axis=0)
+    wandering = SIGMA * recursion(decay, kicks)
     walking = WALK * np.sqrt(dt) * np.cumsum(rng.standard_normal(ideal.shape), axis=0)
     noise = DENSITY / np.sqrt(dt) * rng.standard_normal(ideal.shape)
     reading = (1.0 + SCALE) * (ideal @ CROSSED.T) + walking + wandering + noise
@@ -95,10 +112,10 @@ def chain_with_errors(motion: Motion, gyro: Array, accel: Array) -> None:
         sense(EFFECTS, ideal, blocks, partial(stream, 1, 0, f"imu/{sensor}"), errors)
 
 
-def plain(gyro: Array, accel: Array, bits: type[np.random.BitGenerator]) -> None:
+def plain(gyro: Array, accel: Array, bits: type[np.random.BitGenerator], recursion: Recursion) -> None:
     rng = np.random.Generator(bits(1))
     for ideal in (gyro, accel):
-        in_plain_numpy(ideal, 1.0 / RATE, rng)
+        in_plain_numpy(ideal, 1.0 / RATE, rng, recursion)
 
 
 def all_times(works: dict[str, Callable[[], object]], runs: int = 21) -> dict[str, list[float]]:
@@ -130,8 +147,9 @@ def main() -> None:
         "effects with errors": lambda: chain_with_errors(motion, gyro, accel),
         "record": lambda: imu.record(motion, 1),
         "ideal": lambda: imu.ideal(motion),
-        "plain NumPy, PCG64": lambda: plain(gyro, accel, np.random.PCG64),
-        "plain NumPy, Philox": lambda: plain(gyro, accel, np.random.Philox),
+        "plain NumPy, PCG64": lambda: plain(gyro, accel, np.random.PCG64, by_loop),
+        "NumPy and SciPy's lfilter, PCG64": lambda: plain(gyro, accel, np.random.PCG64, by_lfilter),
+        "NumPy and SciPy's lfilter, Philox": lambda: plain(gyro, accel, np.random.Philox, by_lfilter),
     }
     times = all_times(works)
     for name, seconds in times.items():

@@ -1,7 +1,8 @@
 """Turns a trajectory into inertial sensor data, and inertial sensor data back into attitude.
 
 Frames
-    N   navigation frame: x east, y true north, z up; treated as inertial
+    N   navigation frame: x east, y true north, z up; inertial, unless an Environment turns it with the Earth
+    I   inertial axes
     B   body: x forward, y left, z up
     S   sensor axes of an IMU mounted on the body
 
@@ -10,8 +11,9 @@ Symbols (adjacent letters cancel: ``v_N = R_NB @ v_B``)
     R_NB                (n, 3, 3)   maps B components to N components; its columns are the body axes in N
     omega_NB_B          (n, 3)      angular rate of B relative to N, in B axes: rad/s
     alpha_NB_B          (n, 3)      time derivative of omega_NB_B: rad/s^2
+    omega_IN_N          (3,)        rate at which N turns, the Earth's or 0: rad/s
     p_BS, R_BS                      lever arm from the body origin to the sensor in B: m; sensor axes in B
-    gyro                (n, 3)      omega_NS_S, right-handed: rad/s
+    gyro                (n, 3)      omega_NS_S, right-handed: rad/s; omega_IS_S where N turns
     accel               (n, 3)      specific force R_SN (a_N - g_N): m/s^2; +g up at rest
     mag_uT              (n, 3)      magnetic field in S: microtesla
     phi                 (n, 3)      Euler angles (phi_x, phi_y, phi_z): R_NB = Rz(phi_z) Ry(phi_y) Rx(phi_x)
@@ -64,6 +66,9 @@ if TYPE_CHECKING:
     from kreisel.files.kalibr import write_kalibr as write_kalibr
     from kreisel.simulate.clock import Clock as Clock
     from kreisel.simulate.clock import Sampling as Sampling
+    from kreisel.simulate.disturbances.dipole import Dipole as Dipole
+    from kreisel.simulate.disturbances.drift import FieldDrift as FieldDrift
+    from kreisel.simulate.disturbances.step import FieldStep as FieldStep
     from kreisel.simulate.effects.bandwidth import Bandwidth as Bandwidth
     from kreisel.simulate.effects.bias_instability import BiasInstability as BiasInstability
     from kreisel.simulate.effects.bias_random_walk import BiasRandomWalk as BiasRandomWalk
@@ -118,8 +123,11 @@ _HOMES = {
     "Clock": "kreisel.simulate.clock",
     "coning": "kreisel.simulate.trajectories.coning",
     "DcmFilter": "kreisel.estimate.filters.dcm",
+    "Dipole": "kreisel.simulate.disturbances.dipole",
     "Environment": "kreisel.data.environment",
     "expressions": "kreisel.simulate.trajectories.expressions",
+    "FieldDrift": "kreisel.simulate.disturbances.drift",
+    "FieldStep": "kreisel.simulate.disturbances.step",
     "figure_eight": "kreisel.simulate.trajectories.lying_eight",
     "FunctionTrajectory": "kreisel.simulate.trajectories.functions",
     "GaussMarkov": "kreisel.simulate.effects.gauss_markov",

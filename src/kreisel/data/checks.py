@@ -245,6 +245,23 @@ def _between(lowest: float, highest: float) -> str:
     return "finite" if lowest == -LARGEST else f"{lowest:g} or more"
 
 
+def vector(name: str, value: Any, unit: str) -> Array:
+    """`value` as a read-only array (3,), or a ValueError that names the unit."""
+    array = as_array(name, value)
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise ValueError(f"{name} must be three finite numbers, {unit}; got {value!r:.80}.")
+    return shaped(name, value, (3,))
+
+
+def interval(start: Any, end: Any) -> tuple[float, float]:
+    """`start` and `end` as floats, s, or a ValueError where they do not follow each other; `end` may be infinite."""
+    first = scalar("start", start, "s")
+    last = np.inf if isinstance(end, float) and end == np.inf else scalar("end", end, "s")
+    if not last > first:
+        raise ValueError(f"end must be after start, {first:g} s; got {last:g} s.")
+    return first, last
+
+
 def regular(name: str, value: Any, unit: str) -> Array:
     """`value` as a read-only matrix (3, 3), or a ValueError where it loses a direction."""
     matrix = finite(name, shaped(name, value, (3, 3)))

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel.data.checks import Array, finite, increasing, read_only, rotations, same_length, shaped
-from kreisel.maths.kinematics import acceleration_at, velocity_at
+from kreisel.maths.kinematics import motion_at
 from kreisel.maths.rotations import euler_from_matrix, quat_wxyz_from_matrix
 
 if TYPE_CHECKING:
@@ -84,32 +84,22 @@ class Motion:
 
         return Rotation.from_matrix(self.R_NB)
 
-    def rows(self, rows: slice | npt.NDArray[np.int64]) -> Motion:
-        """The samples that `rows` picks, which must keep them in order; notes are kept as they are."""
-        part = object.__new__(Motion)
-        for column in fields(Motion):
-            value = getattr(self, column.name)
-            # Rows of what was checked need no second look, which would cost more than most uses of them.
-            picked = read_only(value[rows]) if isinstance(value, np.ndarray) else value
-            object.__setattr__(part, column.name, picked)
-        return part
-
     def at(self, mount: Mount) -> Motion:
         """Motion of the sensor at `mount`, in sensor axes (frame S in place of B)."""
-        R_SB = mount.R_BS.T
-        v_lever, a_lever = (
-            velocity_at(mount.p_BS, self.R_NB, self.omega_NB_B),
-            acceleration_at(mount.p_BS, self.R_NB, self.omega_NB_B, self.alpha_NB_B),
-        )
-        return Motion(
-            t=self.t,
-            p_NB=read_only(self.p_NB + self.R_NB @ mount.p_BS),
-            v_NB=read_only(self.v_NB + v_lever),
-            a_NB=read_only(self.a_NB + a_lever),
-            R_NB=read_only(self.R_NB @ mount.R_BS),
-            omega_NB_B=read_only(self.omega_NB_B @ R_SB.T),
-            alpha_NB_B=read_only(self.alpha_NB_B @ R_SB.T),
-            t0_ns=self.t0_ns,
-            name=self.name,
-            notes=self.notes,
-        )
+        names = ("p_NB", "v_NB", "a_NB", "R_NB", "omega_NB_B", "alpha_NB_B")
+        moved = motion_at(mount.p_BS, mount.R_BS, *(getattr(self, name) for name in names))
+        return self._with(dict(zip(names, moved, strict=True)))
+
+    def rows(self, rows: slice | npt.NDArray[np.int64]) -> Motion:
+        """The samples that `rows` picks, which must keep them in order; notes are kept as they are."""
+        columns = {c.name: getattr(self, c.name) for c in fields(Motion)}
+        return self._with({name: x[rows] for name, x in columns.items() if isinstance(x, np.ndarray)})
+
+    def _with(self, columns: dict[str, Array]) -> Motion:
+        """This motion with other columns: what was made of checked ones needs no second look, dearer than most uses."""
+        other = object.__new__(Motion)
+        for column in fields(Motion):
+            value = columns.get(column.name)
+            given = getattr(self, column.name) if value is None else read_only(value)
+            object.__setattr__(other, column.name, given)
+        return other

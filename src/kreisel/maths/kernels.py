@@ -98,6 +98,22 @@ def argument(x: npt.ArrayLike) -> Array:
     return view
 
 
+ROW = 768
+"""Numbers in a row of three axes over and over: enough that a loop over one is worth its vectors."""
+
+
+@kernel
+def row_of_axes(parameter: Array) -> Array:
+    """A value (3,) per axis, repeated along a row (768,) beside which readings (256, 3) lie flat.
+
+    LLVM makes vectors of a loop over such rows, but not of one over samples and their three axes.
+    """
+    row = np.empty(ROW)
+    for k in range(0, ROW, 3):
+        row[k], row[k + 1], row[k + 2] = parameter[0], parameter[1], parameter[2]
+    return row
+
+
 def inlined(function: _F) -> _F:
     """The same for the small functions of an inner loop, which LLVM is told to dissolve in their callers.
 

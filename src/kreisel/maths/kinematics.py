@@ -15,27 +15,59 @@ from kreisel.maths.kernels import argument, kernel
 Array = npt.NDArray[np.float64]
 
 
-def velocity_at(p_BS: Array, R_NB: Array, omega_NB_B: Array) -> Array:
-    """Velocity (n, 3) in N that a lever arm p_BS (3,) adds to the body's: R_NB (omega x r)."""
-    return _to_N(R_NB, np.cross(omega_NB_B, p_BS))
+def motion_at(
+    p_BS: Array, R_BS: Array, p: Array, v: Array, a: Array, R: Array, omega: Array, alpha: Array
+) -> tuple[Array, Array, Array, Array, Array, Array]:
+    """The same six of a sensor at p_BS (3,) m whose axes in B are R_BS (3, 3), from those of the body.
 
-
-def acceleration_at(p_BS: Array, R_NB: Array, omega_NB_B: Array, alpha_NB_B: Array) -> Array:
-    """Acceleration (n, 3) in N that a lever arm p_BS (3,) adds: R_NB (omega x (omega x r) + alpha x r).
-
-    Source: eq. (9).
+    p_NB, v_NB, a_NB (n, 3) in N, R_NB (n, 3, 3), omega_NB_B and alpha_NB_B (n, 3): the lever arm adds
+    R_NB (omega x r) to the velocity and R_NB (omega x (omega x r) + alpha x r) to the acceleration; the rates
+    come in sensor axes. Source: eq. (9).
     """
-    centripetal = np.cross(omega_NB_B, np.cross(omega_NB_B, p_BS))
-    return _to_N(R_NB, centripetal + np.cross(alpha_NB_B, p_BS))
+    body = (p, v, a, R, omega, alpha)
+    p_S, v_S, a_S, R_NS, omega_S, alpha_S = of_sensor = tuple(np.empty(np.shape(x)) for x in body)
+    _motion_at(*map(argument, (p_BS, R_BS, *body)), *of_sensor)
+    return p_S, v_S, a_S, R_NS, omega_S, alpha_S
+
+
+@kernel
+def _motion_at(
+    lever: Array, turn: Array, p: Array, v: Array, a: Array, R: Array, omega: Array, alpha: Array,
+    p_S: Array, v_S: Array, a_S: Array, R_NS: Array, omega_S: Array, alpha_S: Array,
+) -> None:  # fmt: skip
+    r, s, u = lever[0], lever[1], lever[2]
+    for k in range(p.shape[0]):
+        x, y, z = omega[k, 0], omega[k, 1], omega[k, 2]
+        xx, yy, zz = alpha[k, 0], alpha[k, 1], alpha[k, 2]
+        vx, vy, vz = y * u - z * s, z * r - x * u, x * s - y * r
+        ax = (y * vz - z * vy) + (yy * u - zz * s)
+        ay = (z * vx - x * vz) + (zz * r - xx * u)
+        az = (x * vy - y * vx) + (xx * s - yy * r)
+        for i in range(3):
+            b, c, d = R[k, i, 0], R[k, i, 1], R[k, i, 2]
+            p_S[k, i] = p[k, i] + (b * r + c * s + d * u)
+            v_S[k, i] = v[k, i] + (b * vx + c * vy + d * vz)
+            a_S[k, i] = a[k, i] + (b * ax + c * ay + d * az)
+            for j in range(3):
+                R_NS[k, i, j] = b * turn[0, j] + c * turn[1, j] + d * turn[2, j]
+        for j in range(3):
+            omega_S[k, j] = x * turn[0, j] + y * turn[1, j] + z * turn[2, j]
+            alpha_S[k, j] = xx * turn[0, j] + yy * turn[1, j] + zz * turn[2, j]
 
 
 def specific_force(a_NB: Array, R_NB: Array, g_N: Array) -> Array:
     """Specific force (n, 3) in B: R_NB^T (a_NB - g_N); +g up at rest. Source: eq. (9), term a_S."""
-    return np.asarray(np.einsum("nji,nj->ni", R_NB, a_NB - g_N))
+    f = np.empty((len(a_NB), 3))
+    _specific_force(argument(a_NB), argument(R_NB), argument(g_N), f)
+    return f
 
 
-def _to_N(R_NB: Array, v_B: Array) -> Array:
-    return np.asarray(np.einsum("nij,nj->ni", R_NB, v_B))
+@kernel
+def _specific_force(a: Array, R: Array, g_N: Array, f: Array) -> None:
+    for k in range(a.shape[0]):
+        x, y, z = a[k, 0] - g_N[0], a[k, 1] - g_N[1], a[k, 2] - g_N[2]
+        for j in range(3):
+            f[k, j] = R[k, 0, j] * x + R[k, 1, j] * y + R[k, 2, j] * z
 
 
 def euler_motion(phi: Array, dphi: Array, ddphi: Array) -> tuple[Array, Array, Array]:

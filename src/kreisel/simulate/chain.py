@@ -8,11 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from kreisel.data.checks import Array
+from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
 from kreisel.simulate.effects import Effect
 
-BLOCK = 4096
+BLOCK = 8192
 """Samples per block: a block and its copies fit the second-level cache."""
 
 
@@ -42,16 +43,24 @@ def sense(
         states = states or [effect.start(context, stream) for effect, stream in acting]
         rows = slice(context.first, context.first + len(context.t))
         block = unbiased = ideal[rows]
+        bias = sensed.bias[rows]
         for k, (effect, stream) in enumerate(acting):
             after = effect.apply(states[k], block, context, stream)
             if effect.name in kept:
                 np.subtract(after, block, out=kept[effect.name][rows])
             unbiased = unbiased if effect.is_bias else after
             if effect.is_bias and not _bias_follows(acting, k):
-                sensed.bias[rows] += after - unbiased
+                _add_difference(argument(after), argument(unbiased), bias)
             block = after
         sensed.reading[rows] = block
     return sensed
+
+
+@kernel
+def _add_difference(after: Array, before: Array, total: Array) -> None:
+    for k in range(total.shape[0]):
+        for a in range(3):
+            total[k, a] += after[k, a] - before[k, a]
 
 
 def _bias_follows(acting: Sequence[tuple[Effect, Stream]], k: int) -> bool:

@@ -18,6 +18,7 @@ from kreisel.data.temperature import TemperatureHistory
 from kreisel.maths.kinematics import specific_force
 from kreisel.maths.random import seed_from, stream
 from kreisel.maths.rotations import log_so3
+from kreisel.maths.turning import State, falls, felt_acceleration, felt_rate, standing_still
 from kreisel.simulate.chain import BLOCK, Sensed, sense
 from kreisel.simulate.clock import Clock, Rows, Sampling, count, spread, steps
 from kreisel.simulate.context import Context
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
     from kreisel.simulate.datasheet import Triads
 
 SENSORS = ("gyro", "accel", "mag_uT")
+
+# m; there the plumb line leans by 1 deg against that of the origin, 300 times what the centrifugal term varies.
+FARTHEST = 1e5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,17 +139,21 @@ class Imu:
     def ideal(self, motion: Motion) -> ImuRecording:
         """What a perfect IMU at the mount reads at the times of `motion`; with a field around it, a magnetometer too.
 
-        Source: document 000, eq. (9), with the specific force R_SN (a_N - g_N) for its a_S.
+        Source: document 000, eq. (9), with the specific force R_SN (a_N - g_N) for its a_S. Where the environment
+        turns N, the gyroscope reads that rate too, and Coriolis and the centrifugal term are in a_N
+        (kreisel.maths.turning). Raises ValueError then for a motion that leaves the 100 km around the origin, and
+        for one that runs into a magnet.
         """
-        _check_motion(motion)
-        field_N_uT = self.environment.field_N_uT
+        self._check_motion(motion)
+        field_N_uT, turn = self.environment.field_N_uT, self.environment.omega_IN_N
         gyro, accel, mag_uT = (np.empty((len(motion), 3)) for _ in SENSORS)
         for rows in _blocks(len(motion)):
             at_sensor = motion.rows(rows).at(self.mount)
-            gyro[rows] = at_sensor.omega_NB_B
-            accel[rows] = specific_force(at_sensor.a_NB, at_sensor.R_NB, self.environment.g_N)
+            gyro[rows] = felt_rate(at_sensor.omega_NB_B, at_sensor.R_NB, turn)
+            a_N = felt_acceleration(at_sensor.a_NB, at_sensor.v_NB, at_sensor.p_NB, turn)
+            accel[rows] = specific_force(a_N, at_sensor.R_NB, self.environment.g_N)
             if field_N_uT is not None:
-                mag_uT[rows] = field_N_uT @ at_sensor.R_NB  # R_SN field, row by row
+                mag_uT[rows] = self._field_in_S(field_N_uT, at_sensor)
         return ImuRecording(
             t=motion.t,
             gyro=read_only(gyro),
@@ -155,17 +163,25 @@ class Imu:
             name=self.mount.name,
         )
 
+    def _field_in_S(self, field_N_uT: Array, at_sensor: Motion) -> Array:
+        in_S = field_N_uT @ at_sensor.R_NB  # R_SN field, row by row
+        if self.environment.disturbances:
+            added = self.environment.disturbance_N_uT(at_sensor.t, at_sensor.p_NB)
+            in_S += np.einsum("nji,nj->ni", at_sensor.R_NB, added)
+        return np.asarray(in_S)
+
     def increments(self, motion: Motion) -> ImuIncrements:
         """What a perfect IMU at the mount adds up between the times of `motion`: coning and sculling are in it.
 
         From attitude, velocity and position at both ends of each interval, not from rates: as exact as these.
         """
-        _check_motion(motion)
-        at_sensor = motion.at(self.mount)
-        step, g_N = np.diff(motion.t)[:, None], self.environment.g_N
-        p, v, R = at_sensor.p_NB, at_sensor.v_NB, at_sensor.R_NB
-        v_gain = np.diff(v, axis=0) - step * g_N
-        p_gain = np.diff(p, axis=0) - step * v[:-1] - 0.5 * step * step * g_N
+        self._check_motion(motion)
+        t, world, at_sensor = motion.t, self.environment, motion.at(self.mount)
+        seen_from_N = State(at_sensor.p_NB, at_sensor.v_NB, at_sensor.R_NB)
+        p, v, R = standing_still(t, seen_from_N, world.omega_IN_N)
+        dv_g, dp_g = falls(t, world.g_N, world.omega_IN_N)
+        v_gain = np.diff(v, axis=0) - dv_g
+        p_gain = np.diff(p, axis=0) - np.diff(t)[:, None] * v[:-1] - dp_g
         R_back = np.swapaxes(R[:-1], -1, -2)
         return ImuIncrements(
             t=motion.t,
@@ -208,10 +224,17 @@ class Imu:
             ideal=ideal,
             gyro_bias=read_only(sensed["gyro"].bias),
             accel_bias=read_only(sensed["accel"].bias),
+            disturbance_N_uT=self._disturbance(motion),
             seed=seed,
             run=run,
             replay=partial(self._errors, motion, ideal, seed, run),
         )
+
+    def _disturbance(self, motion: Motion) -> Array | None:
+        if not self.environment.disturbances:
+            return None
+        p_NS = motion.p_NB + motion.R_NB @ self.mount.p_BS
+        return read_only(self.environment.disturbance_N_uT(motion.t, p_NS))
 
     def _errors(
         self, motion: Motion, ideal: ImuRecording, seed: int, run: int, sensor: str
@@ -264,8 +287,17 @@ class Imu:
                 history=self.temperature,
             )
 
+    def _check_motion(self, motion: Motion) -> None:
+        instance("motion", motion, Motion, "A trajectory's sample(t) gives one.")
+        far = float(np.abs(motion.p_NB).max(initial=0.0))
+        if self.environment.omega_IN_N.any() and far > FARTHEST:
+            raise ValueError(
+                f"p_NB lies up to {far:.3g} m from the origin of N, which is a place on the turning Earth; N is flat, "
+                f"with one gravity, and ends after {FARTHEST:.0e} m. Subtract the place from the positions."
+            )
+
     def _check(self, motion: Motion) -> None:
-        _check_motion(motion)
+        self._check_motion(motion)
         if len(motion) < 2:
             raise ValueError(
                 f"a recording needs two samples or more, for noise depends on the time between them; got {len(motion)}."
@@ -280,10 +312,6 @@ class Imu:
 
 def _blocks(n: int) -> Iterator[slice]:
     return (slice(first, min(first + BLOCK, n)) for first in range(0, n, BLOCK))
-
-
-def _check_motion(motion: Motion) -> None:
-    instance("motion", motion, Motion, "A trajectory's sample(t) gives one.")
 
 
 def _check_names(field_name: str, names: list[str]) -> None:

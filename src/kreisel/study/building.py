@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -12,19 +13,27 @@ import numpy as np
 
 from kreisel import discovery
 from kreisel.data.checks import Array, choice
-from kreisel.data.environment import Environment
+from kreisel.data.environment import Disturbance, Environment
 from kreisel.data.frames import WORLDS, to_enu_flu
 from kreisel.data.motion import Mount
 from kreisel.data.trajectory import Poses, Trajectory, even_times
 from kreisel.files.doors import read
 from kreisel.maths.rotations import matrix_from_euler
 from kreisel.simulate.imu import Imu
-from kreisel.study.scenario import EnvironmentRecipe, FilterRecipe, ImuRecipe, Scenario, TrajectoryRecipe
+from kreisel.study.scenario import (
+    DisturbanceRecipe,
+    EnvironmentRecipe,
+    FilterRecipe,
+    ImuRecipe,
+    Scenario,
+    TrajectoryRecipe,
+)
 from kreisel.study.sensor import sensor_imu
 from kreisel.study.signature import Place, call
 
 TRAJECTORIES = "kreisel.simulate.trajectories"
 FILTERS = "kreisel.estimate.filters"
+DISTURBANCES = "kreisel.simulate.disturbances"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,29 +50,31 @@ def build(scenario: Scenario, where: Place | None = None) -> Parts:
     """Everything a run needs; ValueError with the key, after `where`, for what cannot be made."""
     place = where or Place(f"scenario {scenario.name!r}" if scenario.name else "scenario")
     trajectory = _trajectory(scenario, place)
-    surroundings = _environment(scenario.environment)
+    t = _times(scenario, trajectory, place)
+    environment = surroundings(scenario.environment, place.at("environment"))
+    _check_they_act(environment, t, place.at("environment"))
     return Parts(
         trajectory,
-        _times(scenario, trajectory, place),
+        t,
         tuple(
-            _imu(imu, surroundings, scenario.folder, place.at("imu", k))
-            for k, imu in enumerate(scenario.imus)
+            _imu(imu, environment, scenario.folder, place.at("imu", k)) for k, imu in enumerate(scenario.imus)
         ),
         tuple(
-            (recipe.name, _filter(recipe, declination(scenario.environment), place.at("filter", k)))
+            (recipe.name, _filter(recipe, _told(scenario.environment, environment), place.at("filter", k)))
             for k, recipe in enumerate(scenario.filters)
         ),
     )
 
 
-def declination(environment: EnvironmentRecipe) -> float:
+def declination(recipe: EnvironmentRecipe) -> float:
     """What filters are told, rad, east positive: as given, else that of the field, else 0."""
-    if environment.declination_deg is not None:
-        return float(np.deg2rad(environment.declination_deg))
-    if environment.field_N_uT is None:
-        return 0.0
-    east, north, _ = environment.field_N_uT
-    return float(np.arctan2(east, north))
+    return _told(recipe, surroundings(recipe))
+
+
+def _told(recipe: EnvironmentRecipe, environment: Environment) -> float:
+    if recipe.declination_deg is not None:
+        return float(np.deg2rad(recipe.declination_deg))
+    return environment.declination or 0.0
 
 
 # --- trajectory and times ---
@@ -145,9 +156,51 @@ def _times(scenario: Scenario, trajectory: Trajectory, place: Place) -> Array:
 # --- surroundings, sensors, filters ---
 
 
-def _environment(recipe: EnvironmentRecipe) -> Environment:
-    field = None if recipe.field_N_uT is None else np.array(recipe.field_N_uT)
-    return Environment(np.array([0.0, 0.0, -recipe.gravity]), field)
+def surroundings(recipe: EnvironmentRecipe, where: Place | None = None) -> Environment:
+    """The environment of a recipe; ValueError with the key, after `where`, for a place or a date that is none."""
+    where = where or Place("environment")
+    found = Environment()
+    if recipe.latitude_deg is not None and recipe.longitude_deg is not None:
+        at = partial(Environment.at, recipe.latitude_deg, recipe.longitude_deg, recipe.height_m or 0.0)
+        found = _or_say(where, at, None, turning=recipe.turning)
+        if recipe.date is not None:
+            found = _or_say(where.at("date"), at, recipe.date, turning=recipe.turning)
+    g_N = found.g_N if recipe.gravity is None else np.array([0.0, 0.0, -recipe.gravity])
+    field_N_uT = found.field_N_uT if recipe.field_N_uT is None else np.array(recipe.field_N_uT)
+    disturbances = tuple(
+        _disturbance(each, where.at("disturbance", k)) for k, each in enumerate(recipe.disturbances)
+    )
+    return replace(found, g_N=g_N, field_N_uT=field_N_uT, disturbances=disturbances)
+
+
+def _or_say(where: Place, make: Callable[..., Environment], *given: Any, **named: Any) -> Environment:
+    try:
+        return make(*given, **named)
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}") from None
+
+
+def disturbance_kinds() -> list[str]:
+    """The disturbances that a scenario can name."""
+    return discovery.names(DISTURBANCES)
+
+
+def _disturbance(recipe: DisturbanceRecipe, where: Place) -> Disturbance:
+    if recipe.kind not in disturbance_kinds():
+        _unknown_kind(recipe.kind, disturbance_kinds(), where)
+    make = discovery.load(DISTURBANCES, recipe.kind).DISTURBANCE
+    found: Disturbance = call(make, recipe.parameters, where)
+    return found
+
+
+def _check_they_act(environment: Environment, t: Array, where: Place) -> None:
+    for k, disturbance in enumerate(environment.disturbances):
+        first, last = disturbance.span
+        if first > t[-1] or last < t[0]:
+            raise ValueError(
+                f"{where.at('disturbance', k)} acts from {first:.9g} to {last:.9g} s, and the run lasts from "
+                f"{t[0]:.9g} to {t[-1]:.9g} s."
+            )
 
 
 def _imu(recipe: ImuRecipe, environment: Environment, folder: Path, where: Place) -> Imu:

@@ -9,7 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from kreisel.study.building import build
-from kreisel.study.scenario import EnvironmentRecipe, FilterRecipe, ImuRecipe, Scenario, TrajectoryRecipe
+from kreisel.study.scenario import (
+    DisturbanceRecipe,
+    EnvironmentRecipe,
+    FilterRecipe,
+    ImuRecipe,
+    Scenario,
+    TrajectoryRecipe,
+)
 from kreisel.study.signature import Place, call, unknown
 
 # A scenario is written by hand; anything larger is some other file.
@@ -48,7 +55,7 @@ def parse(text: str, folder: Path, source: str) -> Scenario:
         )
     parts = {
         "trajectory": _trajectory(table["trajectory"], where.at("trajectory")),
-        "environment": call(EnvironmentRecipe, _table(table, "environment", where), where.at("environment")),
+        "environment": _environment(_table(table, "environment", where), where.at("environment")),
         "folder": folder,
     }
     if "imu" in table:
@@ -71,7 +78,11 @@ def text(scenario: Scenario) -> str:
         )
     table = _given(scenario, leave_out=("trajectory", "imus", "environment", "filters", "folder"))
     table["trajectory"] = {"kind": scenario.trajectory.kind, **_filled(scenario.trajectory.parameters)}
-    table["environment"] = _given(scenario.environment)
+    table["environment"] = _given(scenario.environment, leave_out=("disturbances",))
+    if scenario.environment.disturbances:
+        table["environment"]["disturbance"] = [
+            {"kind": d.kind, **_filled(d.parameters)} for d in scenario.environment.disturbances
+        ]
     table["imu"] = [_given(imu) for imu in scenario.imus]
     table["filter"] = [{"kind": f.kind, "name": f.name, **_filled(f.tuning)} for f in scenario.filters]
     return tomli_w.dumps(_lists(table))
@@ -110,6 +121,26 @@ def _check_known(where: Place, name: str) -> None:
 def _trajectory(table: Any, where: Place) -> TrajectoryRecipe:
     kind, parameters = _kind(table, where)
     return call(TrajectoryRecipe, {"kind": kind}, where, ready={"parameters": parameters})
+
+
+def _environment(table: Mapping[str, Any], where: Place) -> EnvironmentRecipe:
+    known = [*(f.name for f in fields(EnvironmentRecipe) if f.name != "disturbances"), "disturbance"]
+    for name in table:
+        if name not in known:
+            unknown(where, name, known)
+    rest = dict(table)
+    # TOML writes a date without quotes, which the check of the other keys does not know.
+    ready: dict[str, Any] = {"date": rest.pop("date")} if "date" in rest else {}
+    if "disturbance" in rest:
+        found = _tables(table, "disturbance", where)
+        ready["disturbances"] = tuple(_disturbance(t, place) for t, place in found)
+        del rest["disturbance"]
+    return call(EnvironmentRecipe, rest, where, ready=ready)
+
+
+def _disturbance(table: Any, where: Place) -> DisturbanceRecipe:
+    kind, parameters = _kind(table, where)
+    return call(DisturbanceRecipe, {"kind": kind}, where, ready={"parameters": parameters})
 
 
 def _filter(table: Any, where: Place) -> FilterRecipe:

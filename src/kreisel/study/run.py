@@ -11,8 +11,8 @@ import numpy as np
 
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
-from kreisel.study.building import build, declination
-from kreisel.study.scenario import Scenario, TrajectoryRecipe
+from kreisel.study.building import build, declination, surroundings
+from kreisel.study.scenario import EnvironmentRecipe, Scenario, TrajectoryRecipe
 from kreisel.study.sensor import record_all
 
 if TYPE_CHECKING:
@@ -100,9 +100,20 @@ def _described(scenario: Scenario) -> dict[str, Any]:
     if not isinstance(trajectory, TrajectoryRecipe):
         trajectory = TrajectoryRecipe(type(trajectory).__name__)
     table = asdict(replace(scenario, trajectory=trajectory))
-    table["environment"]["declination_deg"] = float(np.rad2deg(declination(scenario.environment)))
+    table["environment"] |= _resolved(scenario.environment)
     del table["folder"]
     return _json_safe(table)
+
+
+def _resolved(recipe: EnvironmentRecipe) -> dict[str, Any]:
+    """What was left to the place and the date, in the keys of the recipe."""
+    found = surroundings(recipe)
+    return {
+        "gravity": float(-found.g_N[2]),
+        "field_N_uT": None if found.field_N_uT is None else found.field_N_uT.tolist(),
+        "declination_deg": float(np.rad2deg(declination(recipe))),
+        "date": None if recipe.date is None else recipe.date.isoformat(),
+    }
 
 
 def _json_safe(value: Any) -> Any:

@@ -19,7 +19,15 @@ from kreisel.cli.outputs import (
     simulation_outputs,
     write_outputs,
 )
+from kreisel.cli.surroundings import (
+    add_place_arguments,
+    describe_declination,
+    describe_field,
+    describe_gravity,
+    environment_at,
+)
 from kreisel.data.checks import choice, file_name
+from kreisel.data.environment import Environment
 from kreisel.data.frames import WORLDS, to_enu_flu
 from kreisel.data.motion import Mount
 from kreisel.data.recording import ImuRecording
@@ -37,6 +45,7 @@ examples:
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
   kreisel simulate flight.csv -o out/ --frame ned-frd
   kreisel simulate poses.csv -o out/ --rate 1000 --check
+  kreisel simulate walk.csv -o out/ --place 48.14,11.58,520 --date 2026-05-01 --turning
 """
 
 
@@ -62,6 +71,7 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--seed", type=int, default=0, help="whole number from which noise is drawn (default 0)"
     )
+    add_place_arguments(parser)
     parser.add_argument("--rate", type=float, metavar="HZ", help="IMU rate (default: the times of the poses)")
     parser.add_argument(
         "--method", default="auto", help="auto (default), spline, smooth or gradient (MATLAB's scheme)"
@@ -98,10 +108,12 @@ def run(args: Namespace) -> int:
     given = [parse_imu(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
     mounts = [to_enu_flu(mount, args.frame) for mount, _ in given]
     sensors = [sensor or args.sensor for _, sensor in given]
-    imus = [sensor_imu(sensor, mount) for mount, sensor in zip(mounts, sensors, strict=True)]
+    environment = environment_at(args)
+    imus = [sensor_imu(sensor, mount, environment) for mount, sensor in zip(mounts, sensors, strict=True)]
     outputs = simulation_outputs(
         [mount.name for mount in mounts],
         erring=[imu.mount.name for imu in imus if errs(imu)],
+        magnetometer=environment.field_N_uT is not None,
         world=args.to_frame,
         imu_format=args.imu_format,
         pictures=not args.no_pictures,
@@ -118,6 +130,8 @@ def run(args: Namespace) -> int:
     told += f", seed {args.seed}" if made.recorded else ""
     span = motion.t[-1] - motion.t[0]
     print(f"{args.input}: {len(poses)} poses over {span:.4g} s -> {len(motion)} IMU samples, {told}")
+    if args.place is not None:
+        print(f"  {_described(environment)}")
     print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
     print(f"written in {time.perf_counter() - started:.1f} s:")
     print(aligned(lines))
@@ -125,6 +139,13 @@ def run(args: Namespace) -> int:
         print("integrated back from the first pose, the largest errors are:")
         print(aligned([line for imu in imus for line in describe_round_trip(imu, motion)]))
     return 0
+
+
+def _described(environment: Environment) -> str:
+    parts = [describe_gravity(environment)]
+    if environment.field_N_uT is not None:
+        parts += [describe_field(environment.field_N_uT), describe_declination(environment)]
+    return "\n  ".join(parts)
 
 
 def parse_imu(text: str, number: int = 0) -> tuple[Mount, str | None]:

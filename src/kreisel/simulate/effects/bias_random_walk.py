@@ -54,11 +54,13 @@ class BiasRandomWalk:
 def _walk(bias: Array, block: Array, dt: Array, density: Array, out: Array) -> None:
     # In local variables, since the compiler cannot know that `out` and `bias` do not overlap.
     x, y, z = bias
+    step, a, b, c = 0.0, 0.0, 0.0, 0.0
     for k in range(block.shape[0]):
-        root_s = np.sqrt(dt[k])
-        x += density[0] * root_s * out[k, 0]
-        y += density[1] * root_s * out[k, 1]
-        z += density[2] * root_s * out[k, 2]
+        if dt[k] != step:
+            step = dt[k]
+            root_s = np.sqrt(step)
+            a, b, c = density[0] * root_s, density[1] * root_s, density[2] * root_s
+        x, y, z = x + a * out[k, 0], y + b * out[k, 1], z + c * out[k, 2]
         out[k, 0], out[k, 1], out[k, 2] = block[k, 0] + x, block[k, 1] + y, block[k, 2] + z
     bias[0], bias[1], bias[2] = x, y, z
 

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from kreisel.data.checks import Array, per_axis
-from kreisel.maths.kernels import argument, kernel
+from kreisel.maths.kernels import ROW, argument, kernel, row_of_axes
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
 
@@ -44,10 +44,13 @@ class Quantisation:
 
 @kernel
 def _round(block: Array, step: Array, per_step: Array, out: Array) -> None:
-    for k in range(block.shape[0]):
-        for a in range(3):
-            coarse = step[a] * np.rint(block[k, a] * per_step[a])
-            out[k, a] = coarse if step[a] > 0.0 else block[k, a]
+    size, per_size = row_of_axes(step), row_of_axes(per_step)
+    flat, flat_out = block.reshape(-1), out.reshape(-1)
+    for start in range(0, flat.shape[0], ROW):
+        x, y = flat[start : start + ROW], flat_out[start : start + ROW]
+        for k in range(x.shape[0]):
+            coarse = size[k] * np.rint(x[k] * per_size[k])
+            y[k] = coarse if size[k] > 0.0 else x[k]
 
 
 def example() -> Quantisation:

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from kreisel.data.checks import Array, per_axis
-from kreisel.maths.kernels import argument, kernel
+from kreisel.maths.kernels import ROW, argument, kernel, row_of_axes
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
 
@@ -51,11 +51,13 @@ class Range:
 
 @kernel
 def _cut(block: Array, limit: Array, out: Array) -> None:
-    for k in range(block.shape[0]):
-        for a in range(3):
-            x = block[k, a]
-            x = limit[a] if x > limit[a] else x
-            out[k, a] = -limit[a] if x < -limit[a] else x
+    end = row_of_axes(limit)
+    flat, flat_out = block.reshape(-1), out.reshape(-1)
+    for start in range(0, flat.shape[0], ROW):
+        x, y = flat[start : start + ROW], flat_out[start : start + ROW]
+        for k in range(x.shape[0]):
+            below = end[k] if x[k] > end[k] else x[k]
+            y[k] = -end[k] if below < -end[k] else below
 
 
 def example() -> Range:

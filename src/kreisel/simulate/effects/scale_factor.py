@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from kreisel.data.checks import Array, per_axis
-from kreisel.maths.kernels import argument, kernel
+from kreisel.maths.kernels import ROW, argument, kernel, row_of_axes
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
 
@@ -48,9 +48,12 @@ class ScaleFactor:
 
 @kernel
 def _scale(block: Array, error: Array, out: Array) -> None:
-    for k in range(block.shape[0]):
-        for a in range(3):
-            out[k, a] = block[k, a] + error[a] * block[k, a]
+    e = row_of_axes(error)
+    flat, flat_out = block.reshape(-1), out.reshape(-1)
+    for start in range(0, flat.shape[0], ROW):
+        x, y = flat[start : start + ROW], flat_out[start : start + ROW]
+        for k in range(x.shape[0]):
+            y[k] = x[k] + e[k] * x[k]
 
 
 def example() -> ScaleFactor:
