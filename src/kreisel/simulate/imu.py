@@ -27,7 +27,7 @@ from kreisel.simulate.recorded import Recorded
 
 if TYPE_CHECKING:
     from kreisel.data.noise import NoiseModel
-    from kreisel.simulate.triad import Triad
+    from kreisel.simulate.datasheet import Triads
 
 SENSORS = ("gyro", "accel", "mag_uT")
 
@@ -80,7 +80,7 @@ class Imu:
         """
         from kreisel.simulate.datasheet import triads
 
-        return cls._of(*triads(values), mount, environment, clock)
+        return cls._of(triads(values), mount, environment, clock)
 
     @classmethod
     def from_preset(
@@ -93,11 +93,13 @@ class Imu:
     ) -> Imu:
         """The IMU of a datasheet that comes along, such as "bmi088", or of a preset file "mine.toml".
 
+        Its magnetometer reads where `environment` has a field; one without a magnetometer then has a perfect one.
+
         Raises ValueError with the nearest name where there is no such preset.
         """
         from kreisel.simulate.presets import load
 
-        return cls._of(*load(name).triads(), mount, environment, clock)
+        return cls._of(load(name).triads(), mount, environment, clock)
 
     @classmethod
     def from_noise(
@@ -110,24 +112,27 @@ class Imu:
         clock: Clock | None = None,
     ) -> Imu:
         """An IMU with the noise of a gyroscope (rad/s) and an accelerometer (m/s^2), and no other errors."""
+        from kreisel.simulate.datasheet import Triads
         from kreisel.simulate.triad import Triad
 
-        return cls._of(Triad(gyro), Triad(accel), mount, environment, clock)
+        return cls._of(Triads(Triad(gyro), Triad(accel), Triad()), mount, environment, clock)
 
     @classmethod
     def _of(
         cls,
-        gyro: Triad,
-        accel: Triad,
+        triads: Triads,
         mount: Mount | None,
         environment: Environment | None,
         clock: Clock | None,
     ) -> Imu:
+        environment = environment or Environment()
+        in_a_field = environment.field_N_uT is not None
         return cls(
             mount or Mount(),
-            gyro.effects(),
-            accel.effects(),
-            environment=environment or Environment(),
+            triads.gyro.effects(),
+            triads.accel.effects(),
+            triads.mag.effects() if in_a_field else (),
+            environment=environment,
             clock=clock or Clock(),
         )
 

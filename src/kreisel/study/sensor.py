@@ -36,7 +36,8 @@ def sensor_imu(
 
 def errs(imu: Imu) -> bool:
     """Whether it reads anything but its own motion in an undisturbed world, of which a record is kept then."""
-    return bool(imu.gyro_effects or imu.accel_effects or imu.environment.disturbances)
+    effects = (imu.gyro_effects, imu.accel_effects, imu.mag_effects)
+    return any(effects) or bool(imu.environment.disturbances)
 
 
 def record_all(
