@@ -1,0 +1,120 @@
+"""Turns a real recording and the trajectory it was made on into what stands between it and its simulated twin."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from kreisel.data.checks import Array, instance, read_only, scalar
+from kreisel.data.environment import Environment
+from kreisel.data.motion import Mount, Note
+from kreisel.data.recording import ImuRecording
+from kreisel.data.trajectory import Trajectory
+from kreisel.evaluate.align.alignment import Alignment, SensorAlignment, compared
+from kreisel.evaluate.align.model import SENSORS, Scene, expected_readings
+from kreisel.evaluate.align.parameters import DEFAULT, NEED_MOTION, Parameters, slots_of
+from kreisel.evaluate.align.solve import Solution, solve
+from kreisel.evaluate.align.start import rough_start
+from kreisel.evaluate.align.unseen import unseen_sentences
+
+__all__ = ["Alignment", "SensorAlignment", "align"]
+
+
+def align(
+    recording: ImuRecording,
+    trajectory: Trajectory,
+    *,
+    estimate: Sequence[str] = DEFAULT,
+    mount: Mount | None = None,
+    environment: Environment | None = None,
+    search: float = 0.5,
+) -> Alignment:
+    """Where on the body that moved along `trajectory` the IMU sat, how it was turned, and what is wrong with it.
+
+    Least squares of the readings, both sensors at once, each weighted by its residual (Gauss-Newton).
+    estimate : any of "rotation", "lever_arm", "gyro_bias", "accel_bias", "gyro_scale", "accel_scale", "gyro_clock",
+        "accel_clock", "drift" (of the clock, common to both), "tilt" (of the trajectory's frame against gravity);
+        empty to compare as it is. The default leaves out scale, drift and tilt.
+    mount : lever arm and rotation as far as known; what is not estimated stays so. An estimated rotation needs no
+        start: it may be any.
+    environment : gravity; the standard one by default.
+    search : s, how far the clocks may be apart.
+
+    A direction that the motion does not show stays as it was given; its errors are infinite and a note names it.
+    Raises TypeError for other types; ValueError for names that are none, no overlap in time, too little motion, a
+    recording that does not show the trajectory's motion, and fewer than 50 samples.
+    """
+    scene = _scene(recording, trajectory, environment or Environment())
+    estimate = (estimate,) if isinstance(estimate, str) else tuple(estimate)
+    slots = slots_of(estimate)
+    mount = mount or Mount(name=recording.name or "imu")
+    start = Parameters(R_BS=mount.R_BS, lever_arm=mount.p_BS)
+    if NEED_MOTION & set(slots):
+        start = _moving_start(scene, start, set(slots), scalar("search", search, "s", 0.0))
+    found = solve(scene, start, slots)
+    at = found.parameters
+    errors = {name: read_only(found.errors[s]) for name, s in slots.items()}
+    twin = {sensor: read_only(expected_readings(scene, sensor, at)) for sensor in SENSORS}
+    return Alignment(
+        mount=Mount(at.lever_arm, at.R_BS, mount.name),
+        gyro=_sensor(scene, "gyro", found, twin["gyro"]),
+        accel=_sensor(scene, "accel", found, twin["accel"]),
+        drift=float(at.drift[0]),
+        start=float(recording.t[0]),
+        tilt=read_only(at.tilt),
+        errors=errors,
+        twin=ImuRecording(recording.t, **twin, t0_ns=recording.t0_ns, name=recording.name),
+        notes=_notes(found, slots),
+    )
+
+
+def _scene(recording: ImuRecording, trajectory: Trajectory, environment: Environment) -> Scene:
+    instance("recording", recording, ImuRecording, "kreisel.read gives one.")
+    if not isinstance(trajectory, Trajectory):
+        raise TypeError(
+            f"trajectory must have a span and sample(t); got {type(trajectory).__name__}. "
+            "SampledTrajectory.from_poses makes one of poses."
+        )
+    if not len(recording):
+        raise ValueError("the recording has no samples; there is nothing to align.")
+    # Epochs are subtracted as integers: as floats they would be rounded to 128 ns.
+    stamps = recording.t + (recording.t0_ns - _epoch(trajectory, recording)) / 1e9
+    gravity = float(np.linalg.norm(environment.g_N))
+    down = environment.g_N / gravity if gravity > 0.0 else np.zeros(3)
+    readings = {"gyro": recording.gyro, "accel": recording.accel}
+    return Scene(stamps, readings, trajectory, gravity, down)
+
+
+def _epoch(trajectory: Trajectory, recording: ImuRecording) -> int:
+    """t0_ns of the motions that the trajectory gives."""
+    first, last = trajectory.span
+    return trajectory.sample(np.clip(recording.t[:1], first, last)).t0_ns
+
+
+def _moving_start(scene: Scene, given: Parameters, names: set[str], search: float) -> Parameters:
+    clocks = names & {"gyro_clock", "accel_clock"}
+    rough = rough_start(
+        scene, given.R_BS, turned="rotation" in names, search=search if clocks else 0.0
+    )
+    changes: dict[str, Array] = {name: np.array([rough.clock]) for name in clocks}
+    return replace(given, R_BS=rough.R_BS, **changes)
+
+
+def _sensor(scene: Scene, sensor: str, found: Solution, twin: Array) -> SensorAlignment:
+    at = found.parameters
+    return SensorAlignment(
+        read_only(getattr(at, f"{sensor}_bias")),
+        read_only(getattr(at, f"{sensor}_scale")),
+        float(getattr(at, f"{sensor}_clock")[0]),
+        *compared(scene.readings[sensor], twin),
+        effective_samples=found.effective[sensor],
+    )
+
+
+def _notes(found: Solution, slots: Mapping[str, slice]) -> tuple[Note, ...]:
+    notes = [Note("unseen", text) for text in unseen_sentences(found.unseen, slots)]
+    if not found.settled:
+        notes.append(Note("unsettled", "least squares did not settle: the numbers are those of its last step."))
+    return tuple(notes)
