@@ -13,13 +13,16 @@ from kreisel.data.motion import Mount, Note
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Trajectory
 from kreisel.evaluate.align.alignment import Alignment, SensorAlignment, compared
+from kreisel.evaluate.align.confirmed import ALL, Confirmed, confirmed
 from kreisel.evaluate.align.model import SENSORS, Scene, expected_readings
 from kreisel.evaluate.align.parameters import DEFAULT, NEED_MOTION, Parameters, slots_of
-from kreisel.evaluate.align.solve import Solution, solve
+from kreisel.evaluate.align.solve import Solution, solve, turned_back
 from kreisel.evaluate.align.start import rough_start
 from kreisel.evaluate.align.unseen import unseen_sentences
 
 __all__ = ["Alignment", "SensorAlignment", "align"]
+
+_ROUNDS = 4
 
 
 def align(
@@ -52,8 +55,8 @@ def align(
     mount = mount or Mount(name=recording.name or "imu")
     start = Parameters(R_BS=mount.R_BS, lever_arm=mount.p_BS)
     if NEED_MOTION & set(slots):
-        start = _moving_start(scene, start, set(slots), scalar("search", search, "s", 0.0))
-    found = solve(scene, start, slots)
+        scene, start = _moving_start(scene, start, set(slots), scalar("search", search, "s", 0.0))
+    scene, found = _solved(scene, start, slots, mount.R_BS)
     at = found.parameters
     errors = {name: read_only(found.errors[s]) for name, s in slots.items()}
     twin = {sensor: read_only(expected_readings(scene, sensor, at)) for sensor in SENSORS}
@@ -93,13 +96,41 @@ def _epoch(trajectory: Trajectory, recording: ImuRecording) -> int:
     return trajectory.sample(np.clip(recording.t[:1], first, last)).t0_ns
 
 
-def _moving_start(scene: Scene, given: Parameters, names: set[str], search: float) -> Parameters:
+def _moving_start(
+    scene: Scene, given: Parameters, names: set[str], search: float
+) -> tuple[Scene, Parameters]:
+    """The scene with what of its motion is confirmed, and parameters near enough for least squares."""
     clocks = names & {"gyro_clock", "accel_clock"}
-    rough = rough_start(
-        scene, given.R_BS, turned="rotation" in names, search=search if clocks else 0.0
-    )
+    rough = rough_start(scene, given.R_BS, turned="rotation" in names, search=search if clocks else 0.0)
     changes: dict[str, Array] = {name: np.array([rough.clock]) for name in clocks}
-    return replace(given, R_BS=rough.R_BS, **changes)
+    return scene._replace(confirmed=rough.confirmed), replace(given, R_BS=rough.R_BS, **changes)
+
+
+def _solved(
+    scene: Scene, start: Parameters, slots: Mapping[str, slice], given: Array
+) -> tuple[Scene, Solution]:
+    """Least squares, and again where its answer changes what it rested on."""
+    found = solve(scene, start, slots)
+    for _ in range(_ROUNDS):
+        turned, rank = turned_back(found, slots, given), scene.confirmed.rank
+        if rank != ALL.rank:
+            # A lever arm, once known, can explain forces that no motion of the body's origin did.
+            scene = scene._replace(confirmed=_confirmed(scene, found.parameters))
+        if turned is found.parameters and scene.confirmed.rank == rank:
+            break
+        found = solve(scene, turned, slots)
+    return scene, found
+
+
+def _confirmed(scene: Scene, at: Parameters) -> Confirmed:
+    read, seen = {}, {}
+    for sensor in SENSORS:
+        expected, readings = expected_readings(scene, sensor, at), scene.readings[sensor]
+        both = np.isfinite(expected).all(axis=1) & np.isfinite(readings).all(axis=1)
+        for side, values in ((read, readings), (seen, expected)):
+            truth = (values[both] - getattr(at, f"{sensor}_bias")) / getattr(at, f"{sensor}_scale")
+            side[sensor] = truth @ at.R_BS.T
+    return confirmed(read, seen)
 
 
 def _sensor(scene: Scene, sensor: str, found: Solution, twin: Array) -> SensorAlignment:

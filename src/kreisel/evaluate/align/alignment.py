@@ -16,6 +16,10 @@ from kreisel.evaluate.align.parameters import SIZES, UNITS
 from kreisel.maths.rotations import euler_from_matrix
 
 
+# rad/s or m/s^2: what varies less is round-off.
+_CONSTANT = 1e-9
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class SensorAlignment:
     """One sensor against its twin: reading = scale * truth + bias at the time its stamp less `clock` names."""
@@ -89,25 +93,38 @@ class Alignment:
         }
         return TriadCalibration(np.diag(sensor.scale), sensor.bias, np.diag(errors["scale"]), errors["bias"])
 
+    def lines(self) -> list[tuple[str, ...]]:
+        """Name, one text for each number with its standard error, and unit, of each estimated parameter."""
+        return [_told(found) for found in self.found]
+
     def __str__(self) -> str:
-        lines = []
-        for name, unit, values, errors in self.found:
-            told = ", ".join(told_with_error(v, e) for v, e in zip(values, errors, strict=True))
-            lines.append(f"{name:<12} {told} {unit}".rstrip())
+        rows = [f"{name:<12} {', '.join(values)} {unit}".rstrip() for name, *values, unit in self.lines()]
         for name, unit, sensor in (("gyro", "rad/s", self.gyro), ("accel", "m/s^2", self.accel)):
             rmse, rho = (", ".join(f"{x:.3g}" for x in y) for y in (sensor.rmse, sensor.correlation))
-            lines.append(f"{name:<12} RMSE {rmse} {unit}, correlation {rho}")
-        return "\n".join([*lines, *(note.text for note in self.notes)])
+            rows.append(f"{name:<12} RMSE {rmse} {unit}; correlation {rho}")
+        return "\n".join([*rows, *(note.text for note in self.notes)])
 
 
-def told_with_error(value: float, error: float) -> str:
-    """A number with its standard error, both to the digits that the error leaves; "not shown" where it is infinite."""
+# What a person reads: unit and how many of it there are in ours.
+_READABLE = {"rad": ("deg", 180.0 / np.pi), "m": ("mm", 1e3), "rad/s": ("deg/s", 180.0 / np.pi), "s": ("ms", 1e3)}
+
+
+def _told(found: Found) -> tuple[str, ...]:
+    unit, factor = _READABLE.get(found.unit, (found.unit, 1.0))
+    if found.name == "drift":
+        unit, factor = "ppm", 1e6
+    pairs = zip(factor * found.values, factor * found.errors, strict=True)
+    return (found.name, *(_with_error(value, error) for value, error in pairs), unit)
+
+
+def _with_error(value: float, error: float) -> str:
+    """A number with its standard error, to one digit of the error, or as "not shown" where that is infinite."""
     if not np.isfinite(error):
         return "not shown"
-    if error == 0.0:
-        return f"{value:.6g}"
-    digits = max(0, 1 - int(np.floor(np.log10(error))))
-    return f"{value:.{min(digits, 12)}f} ± {error:.1g}"
+    if error < 1e-6:
+        return f"{value:.6f} ± {error:.0e}"
+    digits = max(0, -int(np.floor(np.log10(error))))
+    return f"{value:.{digits}f} ± {error:.{digits}f}"
 
 
 def compared(readings: Array, twin: Array) -> tuple[Array, Array, int]:
@@ -116,7 +133,7 @@ def compared(readings: Array, twin: Array) -> tuple[Array, Array, int]:
     a, b = readings[both], twin[both]
     rmse = np.sqrt(np.mean(np.square(a - b), axis=0))
     a, b = a - a.mean(axis=0), b - b.mean(axis=0)
-    size = np.sqrt(np.square(a).sum(axis=0) * np.square(b).sum(axis=0))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        correlation = np.sum(a * b, axis=0) / size
+    sizes = np.sqrt(np.mean(np.square(a), axis=0)), np.sqrt(np.mean(np.square(b), axis=0))
+    size = np.where(np.minimum(*sizes) > _CONSTANT, sizes[0] * sizes[1], np.nan)
+    correlation = np.mean(a * b, axis=0) / size
     return read_only(rmse), read_only(correlation), int(both.sum())

@@ -17,6 +17,7 @@ import numpy.typing as npt
 from kreisel.data.checks import Array
 from kreisel.data.motion import Motion
 from kreisel.data.trajectory import Trajectory
+from kreisel.evaluate.align.confirmed import ALL, Confirmed
 from kreisel.evaluate.align.parameters import Parameters
 from kreisel.maths.rotations import exp_so3, skew
 
@@ -37,6 +38,7 @@ class Scene(NamedTuple):
     trajectory: Trajectory
     gravity: float  # m/s^2
     down_N: Array  # (3,) unit vector
+    confirmed: Confirmed = ALL  # derivatives are taken of this part of the motion
 
     @property
     def start(self) -> float:
@@ -93,29 +95,29 @@ def _times(scene: Scene, sensor: str, at: Parameters) -> Array:
 
 
 def _expected(scene: Scene, sensor: str, motion: Motion, at: Parameters) -> Array:
-    seen = motion.omega_NB_B @ at.R_BS if sensor == "gyro" else _force_S(scene, motion, at)
-    return np.asarray(getattr(at, f"{sensor}_scale") * seen + getattr(at, f"{sensor}_bias"))
+    seen = motion.omega_NB_B if sensor == "gyro" else _force_B(scene, motion, at)
+    return np.asarray(getattr(at, f"{sensor}_scale") * (seen @ at.R_BS) + getattr(at, f"{sensor}_bias"))
 
 
 def _gyro(scene: Scene, rows: npt.NDArray[np.int64], u: Array, at: Parameters) -> Block:
     motion = scene.trajectory.sample(u)
-    rate = motion.omega_NB_B @ at.R_BS
-    slope = at.gyro_scale * (motion.alpha_NB_B @ at.R_BS)
-    columns = _shared_columns("gyro", rate, slope, u - scene.start, at)
-    return Block(rows, at.gyro_scale * rate + at.gyro_bias, columns)
+    to_S = scene.confirmed.rate @ at.R_BS
+    slope = at.gyro_scale * (motion.alpha_NB_B @ to_S)
+    columns = _shared_columns("gyro", motion.omega_NB_B @ to_S, slope, u - scene.start, at)
+    return Block(rows, _expected(scene, "gyro", motion, at), columns)
 
 
 def _accel(scene: Scene, rows: npt.NDArray[np.int64], u: Array, at: Parameters) -> Block:
     motion = scene.trajectory.sample(u)
-    force = _force_S(scene, motion, at)
-    before, after = (_force_S(scene, scene.trajectory.sample(u + h), at) for h in (-_APART, _APART))
-    slope = at.accel_scale * (after - before) / (2.0 * _APART)
-    columns = _shared_columns("accel", force, slope, u - scene.start, at)
-    W = skew(motion.omega_NB_B)
+    force, confirmed = _force_B(scene, motion, at), scene.confirmed
+    before, after = (_force_B(scene, scene.trajectory.sample(u + h), at) for h in (-_APART, _APART))
+    slope = at.accel_scale * ((after - before) / (2.0 * _APART) @ confirmed.change @ at.R_BS)
+    columns = _shared_columns("accel", force @ confirmed.force @ at.R_BS, slope, u - scene.start, at)
+    W, A = skew(motion.omega_NB_B @ confirmed.rate), skew(motion.alpha_NB_B @ confirmed.rate)
     to_S = at.accel_scale[:, None] * at.R_BS.T
-    columns["lever_arm"] = to_S @ (W @ W + skew(motion.alpha_NB_B))
+    columns["lever_arm"] = to_S @ (W @ W + A)
     columns["tilt"] = to_S @ np.swapaxes(motion.R_NB, 1, 2) @ _down_slopes(scene, at)
-    return Block(rows, at.accel_scale * force + at.accel_bias, columns)
+    return Block(rows, at.accel_scale * (force @ at.R_BS) + at.accel_bias, columns)
 
 
 def _shared_columns(
@@ -135,13 +137,13 @@ def _shared_columns(
     }
 
 
-def _force_S(scene: Scene, motion: Motion, at: Parameters) -> Array:
-    """Specific force (n, 3) in sensor axes at the lever arm."""
+def _force_B(scene: Scene, motion: Motion, at: Parameters) -> Array:
+    """Specific force (n, 3) in body axes at the lever arm."""
     omega, p_BS = motion.omega_NB_B, at.lever_arm
     free_N = motion.a_NB - scene.gravity * _down(scene, at.tilt)
     force_B = np.einsum("nji,nj->ni", motion.R_NB, free_N)
     force_B += np.cross(omega, np.cross(omega, p_BS)) + np.cross(motion.alpha_NB_B, p_BS)
-    return np.asarray(force_B @ at.R_BS)
+    return np.asarray(force_B)
 
 
 def _down(scene: Scene, tilt: Array) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,8 @@ from kreisel.data.checks import Array
 from kreisel.evaluate.align.correlation import correlation_length, effective_samples, long_run_sum, window_of
 from kreisel.evaluate.align.model import SENSORS, Scene, blocks
 from kreisel.evaluate.align.parameters import Parameters, useless
-from kreisel.evaluate.align.unseen import HIDDEN
+from kreisel.evaluate.align.unseen import ALONE, HIDDEN
+from kreisel.maths.rotations import exp_so3, skew
 
 # A direction in which even independent noise would leave a third of what is useless is not observed.
 _OBSERVED = 10.0
@@ -23,6 +25,7 @@ _PASSES = 30
 _SETTLED = 1e-10  # of what is useless
 _SETTLED_ERRORS = 1e-3  # of a standard error
 _FEWEST = 50
+_TURN = 1e-6  # rad
 
 
 class Solution(NamedTuple):
@@ -63,6 +66,23 @@ def solve(scene: Scene, start: Parameters, slots: Mapping[str, slice]) -> Soluti
         at = at.moved(slots, step)
     errors, effective = _errors(seen, inverse, unseen)
     return Solution(at, errors, unseen, seen.residuals, effective, settled)
+
+
+def turned_back(found: Solution, slots: Mapping[str, slice], given: Array) -> Parameters:
+    """The parameters found; where one axis of the rotation is unseen, turned about it until R_BS is nearest to `given`."""
+    at = found.parameters
+    if "rotation" not in slots:
+        return at
+    unseen = found.unseen[:, slots["rotation"]]
+    values, vectors = np.linalg.eigh(unseen.T @ unseen)
+    if (values > ALONE).sum() != 1:
+        return at
+    K, apart = skew(vectors[:, -1]), given.T @ at.R_BS
+    # trace(apart Exp(angle axis)) is largest here, by Rodrigues' formula.
+    angle = np.arctan2(np.trace(apart @ K), -np.trace(apart @ K @ K))
+    if abs(angle) < _TURN:
+        return at
+    return replace(at, R_BS=at.R_BS @ exp_so3(angle * vectors[:, -1]))
 
 
 def _residuals(scene: Scene, at: Parameters) -> dict[str, Array]:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from kreisel.data.checks import Array
+from kreisel.evaluate.align.confirmed import Confirmed, confirmed
 from kreisel.evaluate.align.model import SENSORS, Scene
 from kreisel.maths.kinematics import specific_force
 from kreisel.maths.rotations import nearest_rotation
@@ -36,10 +37,11 @@ class Tracks(NamedTuple):
 
 
 class Start(NamedTuple):
-    """A first guess."""
+    """A first guess, and what of the motion it rests on."""
 
     clock: float  # s, by which the stamps are ahead
     R_BS: Array  # (3, 3)
+    confirmed: Confirmed
 
 
 def rough_start(scene: Scene, R_BS: Array, *, turned: bool, search: float) -> Start:
@@ -59,8 +61,14 @@ def rough_start(scene: Scene, R_BS: Array, *, turned: bool, search: float) -> St
             f"They may be of different trials, or their clocks more than {search:g} s apart."
         )
     read, seen = _matched(tracks, int(lags[best]))
-    turn = _turn(read, seen, R_BS) if turned else R_BS
-    return Start(float(lags[best] * tracks.step), turn)
+    lag, turn = int(lags[best]), R_BS
+    if turned:
+        turn = _turn(read, seen, R_BS)
+    return Start(lag * tracks.step, turn, confirmed(_in_B(read, turn), seen))
+
+
+def _in_B(read: dict[str, Array], R_BS: Array) -> dict[str, Array]:
+    return {sensor: x @ R_BS.T for sensor, x in read.items()}
 
 
 def _tracks(scene: Scene, search: float) -> Tracks:
