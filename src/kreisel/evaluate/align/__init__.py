@@ -12,17 +12,20 @@ from kreisel.data.environment import Environment
 from kreisel.data.motion import Mount, Note
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Trajectory
-from kreisel.evaluate.align.alignment import Alignment, SensorAlignment, compared
+from kreisel.evaluate.align.alignment import Alignment, SensorAlignment, compared, correlated
 from kreisel.evaluate.align.confirmed import ALL, Confirmed, confirmed
 from kreisel.evaluate.align.model import SENSORS, Scene, expected_readings
 from kreisel.evaluate.align.parameters import DEFAULT, NEED_MOTION, Parameters, slots_of
 from kreisel.evaluate.align.solve import Solution, solve, turned_back
-from kreisel.evaluate.align.start import rough_start
+from kreisel.evaluate.align.start import rough_start, strangers
 from kreisel.evaluate.align.unseen import unseen_sentences
 
 __all__ = ["Alignment", "SensorAlignment", "align"]
 
 _ROUNDS = 4
+
+# Correlation of all axes together that one sensor must reach: strangers that are laid over each other stay under 0.3.
+_ALIKE = 0.5
 
 
 def align(
@@ -54,12 +57,15 @@ def align(
     slots = slots_of(estimate)
     mount = mount or Mount(name=recording.name or "imu")
     start = Parameters(R_BS=mount.R_BS, lever_arm=mount.p_BS)
-    if NEED_MOTION & set(slots):
+    moving = bool(NEED_MOTION & set(slots))
+    if moving:
         scene, start = _moving_start(scene, start, set(slots), scalar("search", search, "s", 0.0))
     scene, found = _solved(scene, start, slots, mount.R_BS)
     at = found.parameters
-    errors = {name: read_only(found.errors[s]) for name, s in slots.items()}
     twin = {sensor: read_only(expected_readings(scene, sensor, at)) for sensor in SENSORS}
+    if moving and max(correlated(scene.readings[sensor], twin[sensor]) for sensor in SENSORS) < _ALIKE:
+        raise ValueError(strangers(search))
+    errors = {name: read_only(found.errors[s]) for name, s in slots.items()}
     return Alignment(
         mount=Mount(at.lever_arm, at.R_BS, mount.name),
         gyro=_sensor(scene, "gyro", found, twin["gyro"]),
@@ -147,5 +153,7 @@ def _sensor(scene: Scene, sensor: str, found: Solution, twin: Array) -> SensorAl
 def _notes(found: Solution, slots: Mapping[str, slice]) -> tuple[Note, ...]:
     notes = [Note("unseen", text) for text in unseen_sentences(found.unseen, slots)]
     if not found.settled:
-        notes.append(Note("unsettled", "least squares did not settle: the numbers are those of its last step."))
+        notes.append(
+            Note("unsettled", "least squares did not settle: the numbers are those of its last step.")
+        )
     return tuple(notes)

@@ -61,7 +61,9 @@ class Alignment:
     drift: float  # by which the IMU's clock runs fast: 5e-5 is 50 ppm
     start: float  # s, stamp of the recording at which the clock offsets hold
     tilt: Array  # (2,) rad about x and y of N: true up is Exp(tilt) e_z in the axes of the trajectory
-    errors: Mapping[str, Array]  # estimated parameter -> standard errors; rotation: rad about the sensor's axes
+    errors: Mapping[
+        str, Array
+    ]  # estimated parameter -> standard errors; rotation: rad about the sensor's axes
     twin: ImuRecording  # what a faultless IMU with these parameters reads; NaN outside the trajectory
     notes: tuple[Note, ...] = ()
 
@@ -106,7 +108,12 @@ class Alignment:
 
 
 # What a person reads: unit and how many of it there are in ours.
-_READABLE = {"rad": ("deg", 180.0 / np.pi), "m": ("mm", 1e3), "rad/s": ("deg/s", 180.0 / np.pi), "s": ("ms", 1e3)}
+_READABLE = {
+    "rad": ("deg", 180.0 / np.pi),
+    "m": ("mm", 1e3),
+    "rad/s": ("deg/s", 180.0 / np.pi),
+    "s": ("ms", 1e3),
+}
 
 
 def _told(found: Found) -> tuple[str, ...]:
@@ -137,3 +144,11 @@ def compared(readings: Array, twin: Array) -> tuple[Array, Array, int]:
     size = np.where(np.minimum(*sizes) > _CONSTANT, sizes[0] * sizes[1], np.nan)
     correlation = np.mean(a * b, axis=0) / size
     return read_only(rmse), read_only(correlation), int(both.sum())
+
+
+def correlated(readings: Array, twin: Array) -> float:
+    """Correlation of all axes together, each about its mean; 0 where nothing changes."""
+    both = np.isfinite(readings).all(axis=1) & np.isfinite(twin).all(axis=1)
+    a, b = (x[both] - x[both].mean(axis=0) for x in (readings, twin))
+    size = float(np.sqrt(np.square(a).sum() * np.square(b).sum()))
+    return float(np.sum(a * b)) / size if size > 0.0 else 0.0

@@ -3,7 +3,7 @@
 gyro  = diag(scale) R_SB omega_NB_B + bias
 accel = diag(scale) R_SB (R_BN (a_NB - g_N) + omega x (omega x p_BS) + alpha x p_BS) + bias, equation (9)
 
-both at the trajectory's time u of the sample stamped s = u + clock + drift (u - start).
+both at the trajectory's time u of the sample stamped s = u + clock + drift (u - u_0), u_0 that of the first stamp.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class Block(NamedTuple):
 
 def trajectory_times(stamps: Array, start: float, clock: float, drift: float) -> Array:
     """Time on the trajectory's clock (n,) s of samples stamped `stamps` (n,)."""
-    return start + (stamps - start - clock) / (1.0 + drift)
+    return start - clock + (stamps - start) / (1.0 + drift)
 
 
 def usable_rows(scene: Scene, sensor: str, at: Parameters) -> npt.NDArray[np.int64]:
@@ -103,7 +103,7 @@ def _gyro(scene: Scene, rows: npt.NDArray[np.int64], u: Array, at: Parameters) -
     motion = scene.trajectory.sample(u)
     to_S = scene.confirmed.rate @ at.R_BS
     slope = at.gyro_scale * (motion.alpha_NB_B @ to_S)
-    columns = _shared_columns("gyro", motion.omega_NB_B @ to_S, slope, u - scene.start, at)
+    columns = _shared_columns("gyro", motion.omega_NB_B @ to_S, slope, scene.stamps[rows] - scene.start, at)
     return Block(rows, _expected(scene, "gyro", motion, at), columns)
 
 
@@ -112,7 +112,8 @@ def _accel(scene: Scene, rows: npt.NDArray[np.int64], u: Array, at: Parameters) 
     force, confirmed = _force_B(scene, motion, at), scene.confirmed
     before, after = (_force_B(scene, scene.trajectory.sample(u + h), at) for h in (-_APART, _APART))
     slope = at.accel_scale * ((after - before) / (2.0 * _APART) @ confirmed.change @ at.R_BS)
-    columns = _shared_columns("accel", force @ confirmed.force @ at.R_BS, slope, u - scene.start, at)
+    since = scene.stamps[rows] - scene.start
+    columns = _shared_columns("accel", force @ confirmed.force @ at.R_BS, slope, since, at)
     W, A = skew(motion.omega_NB_B @ confirmed.rate), skew(motion.alpha_NB_B @ confirmed.rate)
     to_S = at.accel_scale[:, None] * at.R_BS.T
     columns["lever_arm"] = to_S @ (W @ W + A)
@@ -120,20 +121,17 @@ def _accel(scene: Scene, rows: npt.NDArray[np.int64], u: Array, at: Parameters) 
     return Block(rows, at.accel_scale * (force @ at.R_BS) + at.accel_bias, columns)
 
 
-def _shared_columns(
-    sensor: str, seen: Array, slope: Array, since: Array, at: Parameters
-) -> dict[str, Array]:
-    """Derivatives by what both sensors have; `seen` is free of bias and scale, `slope` d expected / du."""
+def _shared_columns(sensor: str, seen: Array, slope: Array, since: Array, at: Parameters) -> dict[str, Array]:
+    """Derivatives by what both sensors have; `seen` is free of bias and scale, `slope` is d expected / du."""
     n, scale = len(seen), getattr(at, f"{sensor}_scale")
-    pace = -slope / (1.0 + at.drift[0])
     diagonal = np.zeros((n, 3, 3))
     diagonal[:, range(3), range(3)] = seen
     return {
         "rotation": scale[:, None] * skew(seen),
         f"{sensor}_bias": np.broadcast_to(np.eye(3), (n, 3, 3)),
         f"{sensor}_scale": diagonal,
-        f"{sensor}_clock": pace[:, :, None],
-        "drift": (pace * since[:, None])[:, :, None],
+        f"{sensor}_clock": -slope[:, :, None],
+        "drift": -(slope * since[:, None])[:, :, None] / (1.0 + at.drift[0]) ** 2,
     }
 
 

@@ -49,22 +49,27 @@ def rough_start(scene: Scene, R_BS: Array, *, turned: bool, search: float) -> St
 
     At each offset the agreement is what is left of the correlation after the best rotation (the gain of Wahba's
     problem), so that neither has to be known first.
-    Raises ValueError where nothing overlaps, nothing moves or nothing agrees.
+    Raises ValueError where nothing overlaps, nothing moves or hardly anything agrees.
     """
     tracks = _tracks(scene, search)
     lags = np.arange(-int(search / tracks.step), int(search / tracks.step) + 1)
     gains = np.array([_agreement(tracks, int(lag), None if turned else R_BS) for lag in lags])
     best = int(np.argmax(gains))
     if not gains[best] > _ALIKE:
-        raise ValueError(
-            f"recording and trajectory do not show the same motion: at best {max(gains[best], 0.0):.2f} of 2 agrees. "
-            f"They may be of different trials, or their clocks more than {search:g} s apart."
-        )
+        raise ValueError(strangers(search))
     read, seen = _matched(tracks, int(lags[best]))
     lag, turn = int(lags[best]), R_BS
     if turned:
         turn = _turn(read, seen, R_BS)
     return Start(lag * tracks.step, turn, confirmed(_in_B(read, turn), seen))
+
+
+def strangers(search: float) -> str:
+    """What to tell of a recording and a trajectory that have nothing in common."""
+    return (
+        "recording and trajectory do not show the same motion: they may be of different trials, or their clocks more "
+        f"than {search:g} s apart."
+    )
 
 
 def _in_B(read: dict[str, Array], R_BS: Array) -> dict[str, Array]:
