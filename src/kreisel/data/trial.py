@@ -1,4 +1,4 @@
-"""A recording together with the attitude, and where known the position, that a reference system measured at the same time."""
+"""A recording together with the attitude and position that a reference system measured at the same time."""
 
 from __future__ import annotations
 

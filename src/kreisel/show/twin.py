@@ -1,4 +1,4 @@
-"""Turns a real recording and its alignment into a figure of both, axis by axis: the whole of it and its liveliest seconds."""
+"""Turns a real recording and its alignment into a figure of both, axis by axis, and of its liveliest seconds."""
 
 from __future__ import annotations
 
@@ -31,6 +31,7 @@ def plot_twin(recording: ImuRecording, found: Alignment) -> Figure:
         sensor, axis = _SENSORS[k // 3], k % 3
         _draw(whole, recording, found, sensor, axis, slice(None))
         _draw(near, recording, found, sensor, axis, slice(first, last))
+        whole.axvspan(recording.t[first], recording.t[last - 1], color=style.GRID, alpha=0.7, zorder=0.5)
         _caption(whole, near, found, sensor, axis)
     for axes in panels[-1]:
         axes.set_xlabel("time [s]", fontsize=style.LABEL_SIZE, color=style.INK)

@@ -1,4 +1,4 @@
-"""Turns a real recording and the poses it was made on into what is between it and its simulated twin: `kreisel compare`."""
+"""Turns a real recording and poses into what is between it and its simulated twin: `kreisel compare`."""
 
 from __future__ import annotations
 

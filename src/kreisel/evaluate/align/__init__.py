@@ -129,7 +129,8 @@ def _solved(
 
 
 def _confirmed(scene: Scene, at: Parameters) -> Confirmed:
-    read, seen = {}, {}
+    read: dict[str, Array] = {}
+    seen: dict[str, Array] = {}
     for sensor in SENSORS:
         expected, readings = expected_readings(scene, sensor, at), scene.readings[sensor]
         both = np.isfinite(expected).all(axis=1) & np.isfinite(readings).all(axis=1)

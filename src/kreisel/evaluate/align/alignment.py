@@ -15,7 +15,6 @@ from kreisel.data.recording import ImuRecording
 from kreisel.evaluate.align.parameters import SIZES, UNITS
 from kreisel.maths.rotations import euler_from_matrix
 
-
 # rad/s or m/s^2: what varies less is round-off.
 _CONSTANT = 1e-9
 

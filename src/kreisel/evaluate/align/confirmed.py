@@ -39,11 +39,12 @@ ALL = Confirmed(np.eye(3), np.eye(3), np.eye(3))
 
 def confirmed(read: Mapping[str, Array], seen: Mapping[str, Array]) -> Confirmed:
     """What `read` and `seen` have in common: rates ("gyro") and forces ("accel") (n, 3) in B."""
-    forces = read["accel"], seen["accel"]
+    force, expected = read["accel"], seen["accel"]
+    tiny = _TINY["accel"]
     return Confirmed(
         rate=_common(read["gyro"], seen["gyro"], _TINY["gyro"]),
-        force=_common(*forces, _TINY["accel"]),
-        change=_common(*(x - x.mean(axis=0) for x in forces), _TINY["accel"]),
+        force=_common(force, expected, tiny),
+        change=_common(force - force.mean(axis=0), expected - expected.mean(axis=0), tiny),
     )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from kreisel.data.checks import Array
 from kreisel.evaluate.align.correlation import correlation_length, effective_samples, long_run_sum, window_of
-from kreisel.evaluate.align.model import SENSORS, Scene, blocks
+from kreisel.evaluate.align.model import SENSORS, Scene, blocks, expected_readings
 from kreisel.evaluate.align.parameters import Parameters, useless
 from kreisel.evaluate.align.unseen import ALONE, HIDDEN
 from kreisel.maths.rotations import exp_so3, skew
@@ -23,7 +23,7 @@ _FLOOR = {"gyro": 1e-4, "accel": 1e-3}  # rad/s, m/s^2
 
 _PASSES = 30
 _SETTLED = 1e-10  # of what is useless
-_SETTLED_ERRORS = 1e-3  # of a standard error
+_SETTLED_ERRORS = 1e-2  # of a standard error
 _FEWEST = 50
 _TURN = 1e-6  # rad
 
@@ -59,17 +59,16 @@ def solve(scene: Scene, start: Parameters, slots: Mapping[str, slice]) -> Soluti
         inverse, unseen = _observed_inverse(seen.information, unit)
         step = inverse @ seen.pull
         sigma = {sensor: max(_rms(r), _FLOOR[sensor]) for sensor, r in seen.residuals.items()}
-        size = np.abs(step)
+        at, size = at.moved(slots, step), np.abs(step)
         if np.all(size <= _SETTLED * unit + _SETTLED_ERRORS * np.sqrt(np.diagonal(inverse))):
             settled = True
             break
-        at = at.moved(slots, step)
     errors, effective = _errors(seen, inverse, unseen)
     return Solution(at, errors, unseen, seen.residuals, effective, settled)
 
 
 def turned_back(found: Solution, slots: Mapping[str, slice], given: Array) -> Parameters:
-    """The parameters found; where one axis of the rotation is unseen, turned about it until R_BS is nearest to `given`."""
+    """The parameters found, with R_BS turned as near to `given` as an unseen axis of the rotation allows."""
     at = found.parameters
     if "rotation" not in slots:
         return at
@@ -86,7 +85,7 @@ def turned_back(found: Solution, slots: Mapping[str, slice], given: Array) -> Pa
 
 
 def _residuals(scene: Scene, at: Parameters) -> dict[str, Array]:
-    return _linearised(scene, at, {}, dict.fromkeys(SENSORS, 1.0)).residuals
+    return {sensor: scene.readings[sensor] - expected_readings(scene, sensor, at) for sensor in SENSORS}
 
 
 def _linearised(
