@@ -50,6 +50,8 @@ if TYPE_CHECKING:
     from kreisel.estimate.run import run as run
     from kreisel.estimate.strapdown import integrate as integrate
     from kreisel.estimate.stream import Stream as Stream
+    from kreisel.evaluate.align import align as align
+    from kreisel.evaluate.align.alignment import Alignment as Alignment
     from kreisel.evaluate.allan import AllanFit as AllanFit
     from kreisel.evaluate.allan import allan as allan
     from kreisel.evaluate.attitude_errors import AttitudeErrors as AttitudeErrors
@@ -108,6 +110,8 @@ __version__ = "0.1.0"
 
 # Public name -> module. Loaded at first use, so that `import kreisel` costs milliseconds.
 _HOMES = {
+    "align": "kreisel.evaluate.align",
+    "Alignment": "kreisel.evaluate.align.alignment",
     "allan": "kreisel.evaluate.allan",
     "AllanFit": "kreisel.evaluate.allan",
     "attitude_errors": "kreisel.evaluate.attitude_errors",
