@@ -74,7 +74,7 @@ def _plan(curve: Polynomials, stretches: list[_Stretch], minimum: str) -> Plan:
     ends[:, 0, 0, 0], ends[:, 1, 0, 0] = start, start + rise
     ends[:, 0, 1, 0], ends[:, 1, 1, 0] = before, after
     breaks = np.concatenate([[0.0], np.cumsum(duration)])
-    return Plan(curve, hermite(breaks, ends), leg.astype(np.int64))
+    return Plan(curve, hermite(breaks, ends), leg.astype(np.int64), np.arange(len(curve.breaks)))
 
 
 def _slower(route: Route, stretches: list[_Stretch], factor: float) -> list[_Stretch]:

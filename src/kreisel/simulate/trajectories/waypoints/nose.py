@@ -37,18 +37,17 @@ class AlongThePath(NamedTuple):
 
     def attitude(self, u: Array, rounds: Array) -> Turning:
         """As `Nose` has it. The curve gives it, where the clock never stands still: it is held at rest by itself."""
-        first, last = self.plan.curve.breaks[[0, -1]]
+        first, once_round = float(self.plan.curve.breaks[0]), self.plan.once_round
         # Round-off may take the clock back by a bit where it all but stands.
-        whole, rows = np.unique(u[0] + rounds * (last - first), return_inverse=True)
-        span = (-np.inf, np.inf) if self.closed else (float(first), float(last))
+        whole, rows = np.unique(u[0] + rounds * once_round, return_inverse=True)
+        span = (-np.inf, np.inf) if self.closed else (first, first + once_round)
         found = follow(self._path, whole, span)
         attitude = turned_by(Attitude(*(column[rows] for column in found.attitude)), u)
         return attitude, path_notes(found._replace(joints=self._in_time(found.joints)))
 
     def _path(self, u: Array, order: int) -> Array:
-        first, last = self.plan.curve.breaks[[0, -1]]
         if self.closed:
-            u = u - np.floor((u - first) / (last - first)) * (last - first)
+            u = u - self._rounds(u) * self.plan.once_round
         out = self.plan.curve(u, order)
         if self.level:
             out[..., 2] = 0.0
@@ -56,14 +55,18 @@ class AlongThePath(NamedTuple):
 
     def _in_time(self, joints: Joints) -> Joints:
         """Joints by time, with rates in time, without those that pass at rest without a turn."""
-        first, last = self.plan.curve.breaks[[0, -1]]
-        rounds = np.floor((joints.t - first) / (last - first)) if self.closed else np.zeros(len(joints.t))
-        t, clock = self.plan.when(joints.t - rounds * (last - first))
+        rounds = self._rounds(joints.t)
+        t, clock = self.plan.when(joints.t - rounds * self.plan.once_round)
         sides = (turned_by(side, clock) for side in (joints.before, joints.after))
         found = Joints(t + rounds * self.plan.lap, *sides)
         real = (found.turns > TURN) | (found.rate_steps > RATE)
         before, after = (Attitude(*(column[real] for column in side)) for side in found[1:])
         return Joints(found.t[real], before, after)
+
+    def _rounds(self, u: Array) -> Array:
+        if not self.closed:
+            return np.zeros(len(u))
+        return np.asarray(np.floor((u - self.plan.curve.breaks[0]) / self.plan.once_round))
 
 
 class ByHeadings(NamedTuple):
@@ -85,21 +88,32 @@ class ByHeadings(NamedTuple):
         return Attitude(*euler_motion(phi, dphi, ddphi)), ()
 
 
+def _held_at_rest(plan: Plan, heading: Array) -> Array:
+    """Headings (k,) at the breaks of the curve; a free one where the body stands lies between its neighbours."""
+    found = heading[plan.at]
+    known = np.flatnonzero(np.isfinite(found))
+    stands = np.append(plan.at[1:] == plan.at[:-1], False)
+    free = np.flatnonzero(stands & np.isnan(found))
+    between = np.interp(plan.curve.breaks[free], plan.curve.breaks[known], np.unwrap(found[known]))
+    found[free] = found[free + 1] = between
+    return found
+
+
 def by_headings(plan: Plan, heading: Array, closed: bool) -> ByHeadings:
     """A nose through headings (n,) rad at the waypoints, NaN where free, from each to the next by the shorter way.
 
     Between two waypoints it turns one way only, and steadily where the headings go on as they came.
     """
+    nodes, heading = plan.curve.breaks, _held_at_rest(plan, heading)
     known = np.flatnonzero(np.isfinite(heading[: len(heading) - closed]))
-    nodes = plan.curve.breaks
     x, angles = nodes[known], heading[known]
     if len(known) == 1:
         return ByHeadings(Polynomials(nodes[[0, -1]], np.array([[[angles[0]]]])), 0.0)
     if closed:
         # From a heading round to it again, and one more before it: the first waypoint may have none.
-        x, angles = np.append(x, x[0] + nodes[-1]), np.unwrap(np.append(angles, angles[0]))
+        x, angles = np.append(x, x[0] + plan.once_round), np.unwrap(np.append(angles, angles[0]))
         once_round, slopes = angles[-1] - angles[0], even_slopes(x, angles, closed=True)
-        x, slopes = np.append(x[-2] - nodes[-1], x), np.append(slopes[-2], slopes)
+        x, slopes = np.append(x[-2] - plan.once_round, x), np.append(slopes[-2], slopes)
         angles = np.append(angles[-2] - once_round, angles)
     else:
         # Before the first heading and after the last these are kept.

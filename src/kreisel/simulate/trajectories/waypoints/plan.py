@@ -30,9 +30,15 @@ _HALVINGS = 54
 class Plan:
     """A body is at curve(clock(t))."""
 
-    curve: Polynomials  # of the clock's reading u in m, as far from point to point as these are apart
+    curve: Polynomials  # of the clock's reading u
     clock: Polynomials  # of t in s
     leg: npt.NDArray[np.int64]  # (k,) behind which waypoint each piece of the clock lies; -1: at rest
+    at: npt.NDArray[np.int64]  # which waypoint each break of the curve is
+
+    @property
+    def once_round(self) -> float:
+        """Reading at the end less that at the begin."""
+        return float(self.curve.breaks[-1] - self.curve.breaks[0])
 
     @property
     def lap(self) -> float:
@@ -42,8 +48,7 @@ class Plan:
     @property
     def arrivals(self) -> Array:
         """(n,) s, at the waypoints."""
-        legs = range(len(self.curve.breaks) - 1)
-        ends = [int(np.flatnonzero(self.leg == k)[-1]) + 1 for k in legs]
+        ends = [int(np.flatnonzero(self.leg == k)[-1]) + 1 for k in range(int(self.leg.max()) + 1)]
         return self.clock.breaks[[0, *ends]]
 
     def when(self, reading: Array) -> tuple[Array, Array]:

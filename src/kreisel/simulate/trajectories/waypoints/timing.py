@@ -17,11 +17,22 @@ from kreisel.simulate.trajectories.waypoints.route import Route
 def planned_by_times(route: Route, bounds: Limits, minimum: str, corners: bool) -> Plan:
     """The plan that is at every waypoint when it is due.
 
-    Its clock is the one of least jerk or snap that shows every waypoint at its time and has the speeds that are given.
-    Where it would run back, because a slow leg follows upon a fast one, it is taken through the waypoints at rates
-    between those of the legs.
+    Where the path may have corners at rests, or has no rests, it is the curve of least jerk or snap in time itself.
+    Elsewhere its clock is the one of least jerk or snap that shows every waypoint at its time and has the speeds that
+    are given; where that would run back, because a slow leg follows upon a fast one, it is taken through the waypoints
+    at rates between those of the legs.
     Raises ValueError where a limit is not kept, or a speed does not go with the times.
     """
+    plan = _plan(route, minimum, corners)
+    _check_forward(route, plan)
+    _check_limits(route, plan, bounds)
+    return plan
+
+
+def _plan(route: Route, minimum: str, corners: bool) -> Plan:
+    given = (route.speed > 0.0).any()
+    if not given and (corners or not route.rests.any()):
+        return _in_time(route, minimum)
     curve = curve_through(route, minimum, corners)
     knots = _knots(route, curve)
     m = DERIVATIVE[minimum]
@@ -31,10 +42,18 @@ def planned_by_times(route: Route, bounds: Limits, minimum: str, corners: bool) 
     if _runs_back(clock).any():
         slopes = np.where(np.isnan(knots.rate), even_slopes(knots.t, knots.u, route.closed), knots.rate)
         clock = _clock(route, knots, np.append(slopes[:, None], np.zeros((len(knots.t), m - 2)), axis=1))
-    plan = Plan(curve, clock, knots.leg)
-    _check_forward(route, plan)
-    _check_limits(route, plan, bounds)
-    return plan
+    return Plan(curve, clock, knots.leg, np.arange(len(curve.breaks)))
+
+
+def _in_time(route: Route, minimum: str) -> Plan:
+    """The curve of least jerk or snap in time, and a clock that shows the time."""
+    t, rows = _times(route)
+    m = DERIVATIVE[minimum]
+    known = np.full((len(t), m - 1, 3), np.nan)
+    known[route.rests[rows]] = 0.0
+    curve = smoothest_through(t, route.points[rows], m, route.closed, known)
+    clock = Polynomials(t, np.stack([t[:-1], np.ones(len(t) - 1)], axis=1)[..., None])
+    return Plan(curve, clock, _legs(rows), rows)
 
 
 class _Knots(NamedTuple):
@@ -47,17 +66,26 @@ class _Knots(NamedTuple):
 
 
 def _knots(route: Route, curve: Polynomials) -> _Knots:
-    assert route.t is not None
     nodes = curve.breaks
     rates = route.speed / np.linalg.norm(curve(nodes, 1)[1], axis=1)
     rates[route.rests] = 0.0
+    t, rows = _times(route)
+    return _Knots(t, nodes[rows], rates[rows], _legs(rows))
+
+
+def _times(route: Route) -> tuple[Array, npt.NDArray[np.int64]]:
+    """When (k,) s the body is at, or leaves, which waypoint (k,): twice for one at which it stands."""
+    assert route.t is not None
     stands = route.stop > 0.0
     if route.closed:
         stands[-1] = False
-    rows = np.repeat(np.arange(len(nodes)), np.where(stands, 2, 1))
+    rows = np.repeat(np.arange(len(stands)), np.where(stands, 2, 1))
     leaves = np.append(rows[1:] != rows[:-1], True) & stands[rows]
-    t = np.where(leaves, route.t[rows] + route.stop[rows], route.t[rows])
-    return _Knots(t, nodes[rows], rates[rows], np.where(rows[1:] == rows[:-1], -1, rows[:-1]))
+    return np.where(leaves, route.t[rows] + route.stop[rows], route.t[rows]), rows
+
+
+def _legs(rows: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    return np.where(rows[1:] == rows[:-1], -1, rows[:-1])
 
 
 def _clock(route: Route, knots: _Knots, known: Array) -> Polynomials:
@@ -79,7 +107,7 @@ def _check_forward(route: Route, plan: Plan) -> None:
     if not back.any():
         return
     k = int(plan.leg[int(np.argmax(back))])
-    way = plan.curve.breaks[k + 1] - plan.curve.breaks[k]
+    way = np.linalg.norm(route.points[k + 1] - route.points[k])
     mean = way / np.diff(plan.clock.breaks)[plan.leg == k][0]
     speeds = " and ".join(f"{s:g} m/s" for s in route.speed[k : k + 2] if s > 0.0)
     raise ValueError(
