@@ -38,12 +38,15 @@ if TYPE_CHECKING:
     from kreisel.data.motion import Motion as Motion
     from kreisel.data.motion import Mount as Mount
     from kreisel.data.motion import Note as Note
+    from kreisel.data.motion_definition import MotionDefinition as MotionDefinition
     from kreisel.data.noise import NoiseModel as NoiseModel
     from kreisel.data.recording import ImuRecording as ImuRecording
+    from kreisel.data.segment import Segment as Segment
     from kreisel.data.temperature import TemperatureHistory as TemperatureHistory
     from kreisel.data.trajectory import Poses as Poses
     from kreisel.data.trajectory import Trajectory as Trajectory
     from kreisel.data.trial import Trial as Trial
+    from kreisel.data.waypoint import Waypoint as Waypoint
     from kreisel.estimate.batch import run_all as run_all
     from kreisel.estimate.batch import run_batch as run_batch
     from kreisel.estimate.filters.dcm import DcmFilter as DcmFilter
@@ -66,6 +69,8 @@ if TYPE_CHECKING:
     from kreisel.files.kalibr import KalibrImu as KalibrImu
     from kreisel.files.kalibr import read_kalibr as read_kalibr
     from kreisel.files.kalibr import write_kalibr as write_kalibr
+    from kreisel.files.profiles import read_profile as read_profile
+    from kreisel.files.waypoints import read_waypoints as read_waypoints
     from kreisel.simulate.clock import Clock as Clock
     from kreisel.simulate.clock import Sampling as Sampling
     from kreisel.simulate.disturbances.dipole import Dipole as Dipole
@@ -94,14 +99,19 @@ if TYPE_CHECKING:
     from kreisel.simulate.trajectories.coning import coning as coning
     from kreisel.simulate.trajectories.expressions import expressions as expressions
     from kreisel.simulate.trajectories.functions import FunctionTrajectory as FunctionTrajectory
+    from kreisel.simulate.trajectories.gnss_ins_sim import CommandedMotion as CommandedMotion
     from kreisel.simulate.trajectories.helix import helix as helix
     from kreisel.simulate.trajectories.line import line as line
     from kreisel.simulate.trajectories.lissajous import lissajous as lissajous
     from kreisel.simulate.trajectories.lying_eight import figure_eight as figure_eight
     from kreisel.simulate.trajectories.lying_eight import lying_eight as lying_eight
+    from kreisel.simulate.trajectories.profile import MotionProfile as MotionProfile
+    from kreisel.simulate.trajectories.profile import profile as profile
     from kreisel.simulate.trajectories.rest import rest as rest
     from kreisel.simulate.trajectories.rounded_rectangle import rounded_rectangle as rounded_rectangle
     from kreisel.simulate.trajectories.sampled import SampledTrajectory as SampledTrajectory
+    from kreisel.simulate.trajectories.waypoints import WaypointTrajectory as WaypointTrajectory
+    from kreisel.simulate.trajectories.waypoints import waypoints as waypoints
     from kreisel.study.round_trip import round_trip as round_trip
     from kreisel.study.scenario import Scenario as Scenario
     from kreisel.study.tune import tune as tune
@@ -117,15 +127,16 @@ _HOMES = {
     "attitude_errors": "kreisel.evaluate.attitude_errors",
     "AttitudeErrors": "kreisel.evaluate.attitude_errors",
     "AttitudeHistory": "kreisel.data.attitude",
+    "Bandwidth": "kreisel.simulate.effects.bandwidth",
+    "BiasInstability": "kreisel.simulate.effects.bias_instability",
+    "BiasRandomWalk": "kreisel.simulate.effects.bias_random_walk",
     "calibrate_accel": "kreisel.evaluate.calibrate",
     "calibrate_gyro": "kreisel.evaluate.calibrate",
     "calibrate_mag": "kreisel.evaluate.calibrate",
     "Calibration": "kreisel.data.calibration",
-    "Bandwidth": "kreisel.simulate.effects.bandwidth",
-    "BiasInstability": "kreisel.simulate.effects.bias_instability",
-    "BiasRandomWalk": "kreisel.simulate.effects.bias_random_walk",
     "circle": "kreisel.simulate.trajectories.circle",
     "Clock": "kreisel.simulate.clock",
+    "CommandedMotion": "kreisel.simulate.trajectories.gnss_ins_sim",
     "coning": "kreisel.simulate.trajectories.coning",
     "DcmFilter": "kreisel.estimate.filters.dcm",
     "Dipole": "kreisel.simulate.disturbances.dipole",
@@ -150,17 +161,22 @@ _HOMES = {
     "Misalignment": "kreisel.simulate.effects.misalignment",
     "Motion": "kreisel.data.motion",
     "motion_errors": "kreisel.evaluate.motion_errors",
+    "MotionDefinition": "kreisel.data.motion_definition",
     "MotionErrors": "kreisel.evaluate.motion_errors",
+    "MotionProfile": "kreisel.simulate.trajectories.profile",
     "Mount": "kreisel.data.motion",
-    "Nonlinearity": "kreisel.simulate.effects.nonlinearity",
     "NoiseModel": "kreisel.data.noise",
+    "Nonlinearity": "kreisel.simulate.effects.nonlinearity",
     "Note": "kreisel.data.motion",
     "Poses": "kreisel.data.trajectory",
+    "profile": "kreisel.simulate.trajectories.profile",
     "Quantisation": "kreisel.simulate.effects.quantisation",
     "Range": "kreisel.simulate.effects.range",
     "read": "kreisel.files.doors",
-    "Recorded": "kreisel.simulate.recorded",
     "read_kalibr": "kreisel.files.kalibr",
+    "read_profile": "kreisel.files.profiles",
+    "read_waypoints": "kreisel.files.waypoints",
+    "Recorded": "kreisel.simulate.recorded",
     "Reference": "kreisel.data.attitude",
     "rest": "kreisel.simulate.trajectories.rest",
     "round_trip": "kreisel.study.round_trip",
@@ -172,16 +188,20 @@ _HOMES = {
     "Sampling": "kreisel.simulate.clock",
     "ScaleFactor": "kreisel.simulate.effects.scale_factor",
     "Scenario": "kreisel.study.scenario",
-    "tune": "kreisel.study.tune",
+    "Segment": "kreisel.data.segment",
     "Stream": "kreisel.estimate.stream",
     "TemperatureBias": "kreisel.simulate.effects.temperature_bias",
     "TemperatureHistory": "kreisel.data.temperature",
     "TemperatureScale": "kreisel.simulate.effects.temperature_scale",
     "Trajectory": "kreisel.data.trajectory",
     "Trial": "kreisel.data.trial",
+    "tune": "kreisel.study.tune",
     "TurnOnBias": "kreisel.simulate.effects.turn_on_bias",
     "VibrationLines": "kreisel.simulate.effects.vibration_lines",
     "VibrationNoise": "kreisel.simulate.effects.vibration_noise",
+    "Waypoint": "kreisel.data.waypoint",
+    "waypoints": "kreisel.simulate.trajectories.waypoints",
+    "WaypointTrajectory": "kreisel.simulate.trajectories.waypoints",
     "WhiteNoise": "kreisel.simulate.effects.white_noise",
     "write": "kreisel.files.doors",
     "write_kalibr": "kreisel.files.kalibr",

@@ -16,6 +16,7 @@ from kreisel.data.checks import Array, choice
 from kreisel.data.environment import Disturbance, Environment
 from kreisel.data.frames import WORLDS, to_enu_flu
 from kreisel.data.motion import Mount
+from kreisel.data.motion_definition import MotionDefinition
 from kreisel.data.trajectory import Poses, Trajectory, even_times
 from kreisel.files.doors import read
 from kreisel.maths.rotations import matrix_from_euler
@@ -92,6 +93,8 @@ def _trajectory(scenario: Scenario, place: Place) -> Trajectory:
         return recipe
     if recipe.kind == "file":
         return call(_from_file(scenario.folder), recipe.parameters, where)
+    if recipe.kind in ("waypoints", "profile") and "path" in recipe.parameters:
+        return _from_table(recipe, scenario.folder, where)
     make = None
     if recipe.kind in discovery.names(TRAJECTORIES):
         make = getattr(discovery.load(TRAJECTORIES, recipe.kind), recipe.kind, None)
@@ -127,6 +130,29 @@ def _from_file(folder: Path) -> Callable[..., Trajectory]:
     return file
 
 
+def _from_table(recipe: TrajectoryRecipe, folder: Path, where: Place) -> Trajectory:
+    """Waypoints or a motion profile whose rows are in a file of their own."""
+    from kreisel.files.profiles import read_profile
+    from kreisel.files.waypoints import read_waypoints
+    from kreisel.simulate.trajectories.gnss_ins_sim import CommandedMotion
+    from kreisel.simulate.trajectories.profile import profile
+    from kreisel.simulate.trajectories.waypoints import waypoints
+
+    rest = dict(recipe.parameters)
+    path = rest.pop("path")
+    rows = {"waypoints": "points", "profile": "segments"}[recipe.kind]
+    if rows in rest:
+        raise ValueError(f"{where}: both path and {rows} say where to go. Give one of the two.")
+    if not isinstance(path, str):
+        raise ValueError(f"{where.at('path')} must be text in quotes; got {path!r:.60}.")
+    if recipe.kind == "waypoints":
+        return call(waypoints, rest, where, ready={rows: read_waypoints(folder / path)})
+    found = read_profile(folder / path)
+    if isinstance(found, MotionDefinition):
+        return call(CommandedMotion, rest, where, ready={"definition": found})
+    return call(profile, rest, where, ready={rows: found})
+
+
 def _times(scenario: Scenario, trajectory: Trajectory, place: Place) -> Array:
     """Times of the samples (n,) s."""
     begins, ends = trajectory.span
@@ -147,9 +173,12 @@ def _times(scenario: Scenario, trajectory: Trajectory, place: Place) -> Array:
             return even_times(first, last, scenario.rate_hz)
         except ValueError as error:
             raise ValueError(f"{place}: {error}") from None
-    own: Array | None = getattr(trajectory, "t", None)
-    if own is None:
+    # Loaded here: it brings SciPy, which functions of time do without.
+    from kreisel.simulate.trajectories.sampled import SampledTrajectory
+
+    if not isinstance(trajectory, SampledTrajectory):
         raise ValueError(f"{place.at('rate_hz')} is missing; only a file has times of its own.")
+    own = trajectory.t
     return own[(own >= first) & (own <= last)]
 
 

@@ -152,8 +152,9 @@ def _wanted(error: ErrorDetails) -> str:
 def _known(parameters: Mapping[str, inspect.Parameter], way: Sequence[int | str]) -> list[str]:
     """The keys known at the end of `way`: those of the signature, or of the dataclass that stands there."""
     known = parameters
-    for step in way:
-        annotation = known[str(step)].annotation if step in known else None
+    # A number leads into a list, whose members are what its annotation says.
+    for step in (step for step in way if isinstance(step, str)):
+        annotation = known[step].annotation if step in known else None
         inner = next(
             (a for a in (annotation, *get_args(annotation)) if isinstance(a, type) and is_dataclass(a)), None
         )

@@ -1,4 +1,4 @@
-"""Turns a file of poses into what an IMU on that body would have read: `kreisel simulate`."""
+"""Turns a file of poses, waypoints or segments into what an IMU on that body would have read: `kreisel simulate`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from kreisel.cli.inputs import add_input_arguments, read_input
+from kreisel.cli.courses import add_course_arguments, read_course
+from kreisel.cli.inputs import add_input_arguments
 from kreisel.cli.outputs import (
     Simulation,
     aligned,
@@ -31,10 +32,9 @@ from kreisel.data.environment import Environment
 from kreisel.data.frames import WORLDS, to_enu_flu
 from kreisel.data.motion import Mount
 from kreisel.data.recording import ImuRecording
-from kreisel.data.trajectory import Poses, even_times
 from kreisel.files.doors import format_names
 
-HELP = "IMU data of a body that moves along the poses in a file"
+HELP = "IMU data of a body that moves along the poses, waypoints or segments in a file"
 
 _EXAMPLES = """\
 examples:
@@ -46,6 +46,8 @@ examples:
   kreisel simulate flight.csv -o out/ --frame ned-frd
   kreisel simulate poses.csv -o out/ --rate 1000 --check
   kreisel simulate walk.csv -o out/ --place 48.14,11.58,520 --date 2026-05-01 --turning
+  kreisel simulate mission.csv --as waypoints -o out/ --rate 200 --max-speed 8 --max-acceleration 4 --banked
+  kreisel simulate drive.csv --as profile -o out/ --rate 100
 """
 
 
@@ -74,9 +76,13 @@ def configure(parser: ArgumentParser) -> None:
     add_place_arguments(parser)
     parser.add_argument("--rate", type=float, metavar="HZ", help="IMU rate (default: the times of the poses)")
     parser.add_argument(
-        "--method", default="auto", help="auto (default), spline, smooth or gradient (MATLAB's scheme)"
+        "--method", help="of poses: auto (default), spline, smooth or gradient (MATLAB's scheme)"
     )
-    parser.add_argument("--orientation", help="tangent or transport, in place of the file's attitude")
+    parser.add_argument(
+        "--orientation",
+        help="tangent or transport, in place of the file's attitude; of waypoints and profiles tangent or level",
+    )
+    add_course_arguments(parser)
     parser.add_argument("--to-frame", default="enu-flu", help=f"world of the output: {', '.join(WORLDS)}")
     parser.add_argument(
         "--imu-format",
@@ -96,7 +102,6 @@ def configure(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Read, differentiate, mount, write."""
-    from kreisel.simulate.trajectories.sampled import SampledTrajectory
     from kreisel.study.sensor import errs, record_all, sensor_imu
 
     started = time.perf_counter()
@@ -120,16 +125,12 @@ def run(args: Namespace) -> int:
         animation=args.animation,
     )
     check_outputs(args.output, outputs)
-    poses = read_input(args, kind="poses")
-    assert isinstance(poses, Poses)  # the kind asked for
-    trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method)
-    motion = trajectory.sample(None if args.rate is None else even_times(*trajectory.span, args.rate))
+    motion, held = read_course(args)
     made = Simulation(motion, mounts, *record_all(imus, motion, args.seed))
     lines = write_outputs(args.output, outputs, made)
     told = ", ".join(dict.fromkeys(sensor or "ideal sensor" for sensor in sensors))
     told += f", seed {args.seed}" if made.recorded else ""
-    span = motion.t[-1] - motion.t[0]
-    print(f"{args.input}: {len(poses)} poses over {span:.4g} s -> {len(motion)} IMU samples, {told}")
+    print(f"{args.input}: {held} -> {len(motion)} IMU samples, {told}")
     if args.place is not None:
         print(f"  {_described(environment)}")
     print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
