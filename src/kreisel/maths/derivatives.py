@@ -158,7 +158,7 @@ def noise_level(t: Array, x: Array) -> Array:
     orders = [k for k in (8, 12, 16, 20, 24) if k <= (len(t) - 1) // 3]
     if len(orders) < 2:
         return np.zeros(x.shape[1])
-    levels = np.array([_difference_level(t, x, k) for k in orders])
+    levels = np.array([_difference_level(t, x, k) for k in orders[-2:]])
     # Four orders more shrink a tone of frequency f by sin(pi f / rate)^4: 0.5 stands for a third of the rate.
     settled = levels[-1] > 0.5 * levels[-2]
     return np.where(settled, levels[-1], 0.0)
