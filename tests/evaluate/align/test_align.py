@@ -46,17 +46,17 @@ def test_without_noise_every_fault_is_found_exactly(rng):
 
 
 def test_faults_lie_within_their_standard_errors():
-    draws = [Truth(np.random.default_rng(seed)) for seed in range(20)]
+    draws = [Truth(np.random.default_rng(seed)) for seed in range(12)]
     z = np.array(
         [
             in_errors(align(truth.recording(*NOISE, rng=seed), every_way(), estimate=tuple(SIZES)), truth)
             for seed, truth in enumerate(draws)
         ]
     )
-    # 480 numbers of which 0.3 % may be beyond three; of 100 such draws 98 had none.
+    # 276 numbers of which 0.3 % may be beyond three; of 100 such draws 98 had none.
     assert np.mean(np.abs(z) < 3.0) > 0.98
-    # 20 draws know a standard deviation to 16 %; the mean of 24 such is known better.
-    assert 0.85 < np.sqrt(np.mean(z * z)) < 1.15
+    # Twelve draws know a standard deviation to 20 %; the mean of 23 such is known better.
+    assert 0.8 < np.sqrt(np.mean(z * z)) < 1.2
 
 
 def test_noise_that_hangs_together_widens_the_errors():
