@@ -70,6 +70,25 @@ def _specific_force(a: Array, R: Array, g_N: Array, f: Array) -> None:
             f[k, j] = R[k, 0, j] * x + R[k, 1, j] * y + R[k, 2, j] * z
 
 
+def linear_acceleration(R_NS: Array, f_S: Array, gravity: float) -> Array:
+    """a_NS (n, 3) in N that a sensor with attitude R_NS (n, 3, 3) shows by its specific force (n, 3): R_NS f + g_N.
+
+    g_N = (0, 0, -gravity). One sample gives the bits that it gives among others.
+    """
+    a_N = np.empty((len(f_S), 3))
+    _linear_acceleration(argument(R_NS), argument(f_S), gravity, a_N)
+    return a_N
+
+
+@kernel
+def _linear_acceleration(R: Array, f: Array, gravity: float, a: Array) -> None:
+    for k in range(R.shape[0]):
+        x, y, z = f[k, 0], f[k, 1], f[k, 2]
+        a[k, 0] = R[k, 0, 0] * x + R[k, 0, 1] * y + R[k, 0, 2] * z
+        a[k, 1] = R[k, 1, 0] * x + R[k, 1, 1] * y + R[k, 1, 2] * z
+        a[k, 2] = R[k, 2, 0] * x + R[k, 2, 1] * y + R[k, 2, 2] * z - gravity
+
+
 def euler_motion(phi: Array, dphi: Array, ddphi: Array) -> tuple[Array, Array, Array]:
     """R_NB (n, 3, 3), omega_NB_B (n, 3) and alpha_NB_B (n, 3) from Euler angles and two derivatives.
 

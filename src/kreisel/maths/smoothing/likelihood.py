@@ -139,7 +139,9 @@ def _refined(cost: Callable[[Smoothness], float], start: Smoothness) -> Smoothne
 
     middle = np.log10([start.penalty, start.weight, max(start.memory, 1e-12)])
     # A weight without rates changes nothing, and a memory of nil stays.
-    free = np.array([True, cost(start._replace(weight=2.0 * start.weight)) != cost(start), start.memory > 0.0])
+    free = np.array(
+        [True, cost(start._replace(weight=2.0 * start.weight)) != cost(start), start.memory > 0.0]
+    )
     low = np.array([_LOWEST, middle[1] - 6.0, -np.inf])
     high = np.array([_HIGHEST, middle[1] + 6.0, np.log10(_LONGEST)])
 
@@ -166,7 +168,10 @@ def _stretches(segments: Sequence[Samples]) -> list[Samples]:
         return list(segments)
     starts = np.cumsum([0] + [len(s.t) for s in segments])
     places = np.linspace(_STRETCH // 2, total - _STRETCH // 2, _STRETCHES).astype(int)
-    return [_around(segments[k], place - starts[k]) for place, k in zip(places, np.searchsorted(starts, places, "right") - 1)]
+    return [
+        _around(segments[k], place - starts[k])
+        for place, k in zip(places, np.searchsorted(starts, places, "right") - 1)
+    ]
 
 
 def _around(samples: Samples, place: int) -> Samples:

@@ -49,7 +49,9 @@ class Division(NamedTuple):
     kept: Mask  # (n,)
     breaks: tuple[int, ...] = ()  # samples before which there is a break, in order
     met: tuple[int, ...] = ()  # places where the path bends, but does not jump
-    left: tuple[int, ...] = ()  # places where neither outliers nor a jump make it smooth: nothing is taken out
+    left: tuple[
+        int, ...
+    ] = ()  # places where neither outliers nor a jump make it smooth: nothing is taken out
 
     @property
     def edges(self) -> list[tuple[int, int]]:
@@ -200,7 +202,10 @@ def _longest_run(away: Mask, out: Indices) -> int:
     away = away.copy()
     away[out] = True
     edges = np.flatnonzero(np.diff(np.concatenate([[False], away, [False]]).astype(np.int8)))
-    return max((b - a for a, b in zip(edges[::2], edges[1::2], strict=True) if any((out >= a) & (out < b))), default=0)
+    return max(
+        (b - a for a, b in zip(edges[::2], edges[1::2], strict=True) if any((out >= a) & (out < b))),
+        default=0,
+    )
 
 
 def _bursts(event: Event) -> Iterator[tuple[int, int]]:

@@ -180,7 +180,9 @@ def _same(a: Division, b: Division) -> bool:
 
 def _confirmed(fits: Sequence[Fit], division: Division) -> Division:
     """`division` without breaks at which both sides meet: a corner of the path is no jump."""
-    jumps = [any(_jumps(*fit.pieces[k : k + 2], fit.sigma) for fit in fits) for k in range(len(division.breaks))]
+    jumps = [
+        any(_jumps(*fit.pieces[k : k + 2], fit.sigma) for fit in fits) for k in range(len(division.breaks))
+    ]
     meet = tuple(place for place, is_jump in zip(division.breaks, jumps, strict=True) if not is_jump)
     stay = tuple(place for place in division.breaks if place not in meet)
     return division._replace(breaks=stay, met=division.met + meet)
@@ -209,7 +211,9 @@ def _taken_back(fits: Sequence[Fit], division: Division) -> Division:
     if len(fits) == 1:
         squares = squares.sum(axis=1, keepdims=True)
     # Where next to nothing is known everything fits.
-    known = np.minimum(signal.variances(times, range(1))[0], np.square(signal.sigma)) + np.square(signal.sigma)
+    known = np.minimum(signal.variances(times, range(1))[0], np.square(signal.sigma)) + np.square(
+        signal.sigma
+    )
     kept = division.kept.copy()
     kept[away] = (squares < _BELONGS**2 * known).all(axis=1)
     return division._replace(kept=kept)

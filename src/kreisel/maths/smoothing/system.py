@@ -82,7 +82,10 @@ class System:
         if samples.rate is not None:
             rows = basis_rows(knots, samples.t, 1)
             self.rate_rows = rows
-            self.rate_gram, self.rate_moments = gram(rows, self.size), transposed(rows, samples.rate, self.size)
+            self.rate_gram, self.rate_moments = (
+                gram(rows, self.size),
+                transposed(rows, samples.rate, self.size),
+            )
 
     def _whitened(self, memory: float) -> tuple[Rows, Array, Array, Array, float]:
         """Rows and samples whose noise is white; Gram matrix, moments, and log determinant of the change."""
@@ -152,4 +155,3 @@ class System:
         # Kept off zero: constant samples are fitted without any residual.
         free = samples.degrees_of_freedom
         return float(free * np.log(max(solution.energy, 1e-300) / free) + freedom)
-
