@@ -70,14 +70,14 @@ class CommandedMotion:
 
     def _told(self) -> str:
         """How it ends, in one line."""
-        last = np.array(self.span[1:])
+        last, many = np.array(self.span[1:]), "" if len(self.definition.commands) == 1 else "s"
         (x, y, z), (yaw,), (speed,) = (
             self._way(last)[0],
             self._angles[2](last, 0)[0, 0],
             self._speeds[0](last, 0)[0, 0],
         )
         return (
-            f"{len(self.definition.commands)} commands in {last[0]:.6g} s; at their end {speed:.4g} m/s at "
+            f"{len(self.definition.commands)} command{many} in {last[0]:.6g} s; at their end {speed:.4g} m/s at "
             f"({x:.6g}, {y:.6g}, {z:.6g}) m, heading {np.rad2deg(yaw):.6g} deg"
         )
 

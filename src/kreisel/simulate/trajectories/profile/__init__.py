@@ -30,8 +30,8 @@ class MotionProfile:
     banked: whether the body rolls until it feels no sideways force, as aeroplanes and motorcycles do.
     ramp: s, in which a turn, a climb and an acceleration come on, and go; half a segment where that is shorter.
 
-    Speed, heading and height are polynomials of time of degree 7, with all accelerations continuous and jerks too;
-    the way east and north is their integral to round-off.
+    Speed, heading and height are polynomials of time, so smooth that jerk and angular acceleration are continuous; the
+    way east and north is their integral to round-off.
     Raises ValueError with the number of the segment that cannot be.
     """
 
@@ -63,7 +63,9 @@ class MotionProfile:
         put(self, "position", finite("position", shaped("position", self.position, (3,))))
         ramps = ramps_of(self.segments, self.speed, self.ramp, self.orientation == "level")
         speeds = channel(self.speed, ramps.speeds)
-        headings, heights = channel(heading, ramps.headings), channel(self.position[2], ramps.heights)
+        headings = channel(heading, ramps.headings)
+        # A bank in a turn follows the vertical acceleration, and its angular acceleration two derivatives more.
+        heights = channel(self.position[2], ramps.heights, smooth=4)
         put(self, "_ramps", ramps)
         put(self, "_channels", (speeds, headings, heights))
         edges = cell_edges([headings], [speeds, heights])
@@ -129,8 +131,9 @@ class MotionProfile:
         """How it ends, in one line."""
         last = self.ends[-1:]
         (x, y, z), heading = self._path(last)[0, 0], float(self._channels[1](last, 0)[0, 0, 0])
+        many = "" if len(self.segments) == 1 else "s"
         return (
-            f"{len(self.segments)} segments in {last[0]:.6g} s; at their end {self._ramps.speed:g} m/s at "
+            f"{len(self.segments)} segment{many} in {last[0]:.6g} s; at their end {self._ramps.speed:g} m/s at "
             f"({x:.6g}, {y:.6g}, {z:.6g}) m, heading {np.rad2deg(heading):.6g} deg"
         )
 

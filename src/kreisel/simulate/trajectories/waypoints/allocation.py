@@ -22,8 +22,8 @@ from kreisel.simulate.trajectories.waypoints.route import Route
 # Largest first and second derivative of a ramp from 0 to 1 in one second, for least jerk and least snap.
 _RAMP = {"jerk": (1.5, 6.0), "snap": (1.875, 10.0 / np.sqrt(3.0))}
 
-# Share of a leg's time that a ramp takes at least: a small change of speed in an instant would be a jolt.
-_SOFT = 0.125
+# Share of a leg's time that a small change of speed takes at least; at once it would be a jolt.
+_SOFT = 1.0 / 3.0
 
 # Between 65 looks a maximum may be missed by some 1e-4 of it.
 _DESIGN = 1.0 - 1e-3
@@ -169,7 +169,8 @@ class _Legs:
             return 0.0
         speed = abs(b - a) * self.stretch[k] / self.gentle[k]
         slope, bend = self.ramp
-        soft = _SOFT * (self.nodes[k + 1] - self.nodes[k]) / max(a, b)
+        # A start from rest is no small change.
+        soft = _SOFT * (self.nodes[k + 1] - self.nodes[k]) * min(a, b) / max(a, b) ** 2
         return float(
             max(slope * speed / self.bounds.acceleration, np.sqrt(bend * speed / self.bounds.jerk), soft)
         )
