@@ -89,6 +89,7 @@ def test_a_motion_definition(simulate):
         (GNSS, [], "It looks like a motion profile: say --as profile"),
         (DRIVE, ["--as", "profile", "--rate", "9", "--closed"], "--closed does not apply to profile. Leave it out"),
         (MISSION, ["--as", "waypoints", "--rate", "9", "--method", "spline"], "--method does not apply to waypoints"),
+        (MISSION, ["--as", "waypoints", "--rate", "9", "--from", "tum"], "--from does not apply to waypoints"),
         (GNSS, ["--as", "profile", "--rate", "9", "--banked"], "gnss-ins-sim: --banked does not apply"),
         (MISSION, ["--as", "waypoints", "--rate", "9", "--orientation", "level", *LIMITS], "points have headings"),
     ],

@@ -67,17 +67,27 @@ def test_limits_hold_and_are_used():
     v_B = np.stack([part(t, 1)[..., 0] for part in made._speeds], axis=-1)
     assert np.abs(phi[1]).max() == pytest.approx(0.5, rel=1e-6)
     assert np.abs(phi[2]).max() == pytest.approx(0.3, rel=1e-6)
-    assert np.abs(v_B[1]).max() == pytest.approx(2.0, rel=1e-6)
+    # In the mean over the 10 s from 0 to 20 m/s, of which ramps of 0.2 s take their share.
+    assert np.abs(v_B[1, :, 0]).max() == pytest.approx(2.0 * 10.0 / 9.8, rel=1e-6)
+    # The others change within a second and a half: ramps of a tenth of that.
+    assert np.abs(v_B[1, :, 1:]).max() == pytest.approx(2.0 / 0.9, rel=1e-6)
 
 
 def test_a_command_without_time_goes_as_far_as_it_can_and_says_so():
     short = MotionDefinition((C(2, (0.0, 0.0, 0.0), (10.0, 0.0, 0.0), 5.0), C(1, (0, 0, 0), (0, 0, 0), 1.0)))
     end, made = ned(short)
     assert made.span == (0.0, 6.0)
-    # At 1 m/s^2 with 0.2 s of ramps.
-    np.testing.assert_allclose(end.v_NB[0], [4.8, 0.0, 0.0], atol=1e-12)
+    # At 1 m/s^2.
+    np.testing.assert_allclose(end.v_NB[0], [5.0, 0.0, 0.0], atol=1e-12)
     notes = made.sample(np.array([0.0])).notes
-    assert "command 1 is carried out in part: it has 5 s and would take 10.2 s" in notes[1].text
+    assert "command 1 is carried out in part: it has 5 s and would take 10 s" in notes[1].text
+
+
+def test_what_takes_all_of_its_time_is_carried_out():
+    stop = MotionDefinition((C(5, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 10.0),), velocity=(10.0, 0.0, 0.0))
+    end, made = ned(stop)
+    np.testing.assert_allclose(end.v_NB, 0.0, atol=1e-12)
+    assert len(made.sample(np.array([0.0])).notes) == 1
 
 
 def test_rates_that_are_left_over_fade():

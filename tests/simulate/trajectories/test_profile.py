@@ -71,7 +71,7 @@ def test_the_end_is_told():
         .sample(np.array([0.0]))
         .notes[0]
     )
-    assert note.text == "1 segment in 3 s; at their end 2 m/s at (3.67394e-16, 6, 0) m, heading 90 deg"
+    assert note.text == "1 segment in 3 s; at their end 2 m/s at (0, 6, 0) m, heading 90 deg"
 
 
 @pytest.mark.parametrize("settings", [{}, {"banked": True}, {"orientation": "level"}])

@@ -44,6 +44,12 @@ WAYS = {
     "headings and times": {"t": [0.0, 2.0, 4.0, 6.5, 9.0], "orientation": [0.0, 1.0, 3.0, -3.0, 1.0]},
     "round and round": {**LIMITS, "closed": True},
     "round with a stop": {**LIMITS, "closed": True, "stop": [0.0, 0.0, 1.0, 0.0, 0.0]},
+    "round with a corner": {
+        **LIMITS,
+        "closed": True,
+        "stop": [0.0, 0.0, 1.0, 0.0, 0.0],
+        "orientation": [0.0, 1.0, 2.0, 3.0, -2.0],
+    },
 }
 
 

@@ -17,6 +17,7 @@ from kreisel.maths.channels import cell_edges, channel
 from kreisel.maths.following.tangent import Attitude, Directions, attitude_along
 from kreisel.maths.polynomials import Polynomials
 from kreisel.maths.running_integral import RunningIntegral
+from kreisel.simulate.notes import end_note
 from kreisel.simulate.trajectories.profile.segments import Ramps, ramps_of
 
 
@@ -94,7 +95,7 @@ class MotionProfile:
         if self.banked:
             attitude = with_bank(attitude, np.stack([a + np.array([0.0, 0.0, STANDARD_GRAVITY]), jerk, snap]))
         p, v, a, R, omega, alpha = map(read_only, (p, v, a, *attitude))
-        return Motion(times, p, v, a, R, omega, alpha, name=self.name, notes=(Note("method", self._told()),))
+        return Motion(times, p, v, a, R, omega, alpha, name=self.name, notes=(self._end(),))
 
     def _path(self, t: Array) -> Array:
         """Position and four derivatives (5, n, 3) in N."""
@@ -127,14 +128,11 @@ class MotionProfile:
         climbs = np.any(climb[:, 3:] != 0.0, axis=1)
         return attitude_along(Directions(heading, np.where(climbs[:, None], climb, level)))
 
-    def _told(self) -> str:
-        """How it ends, in one line."""
+    def _end(self) -> Note:
         last = self.ends[-1:]
-        (x, y, z), heading = self._path(last)[0, 0], float(self._channels[1](last, 0)[0, 0, 0])
-        many = "" if len(self.segments) == 1 else "s"
-        return (
-            f"{len(self.segments)} segment{many} in {last[0]:.6g} s; at their end {self._ramps.speed:g} m/s at "
-            f"({x:.6g}, {y:.6g}, {z:.6g}) m, heading {np.rad2deg(heading):.6g} deg"
+        heading = float(self._channels[1](last, 0)[0, 0, 0])
+        return end_note(
+            len(self.segments), "segment", last[0], self._path(last)[0, 0], heading, self._ramps.speed
         )
 
 
