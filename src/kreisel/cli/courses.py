@@ -29,7 +29,7 @@ _OPTIONS = {
     "banked": ("waypoints", "profile"),
     "ramp": ("profile",),
     "heading": ("profile",),
-    "method": ("poses",),
+    **dict.fromkeys(("method", "from_format", "kind", "column", "input_rate", "times"), ("poses",)),
 }
 
 
@@ -77,8 +77,9 @@ def read_course(args: Namespace) -> Course:
     given = {name: getattr(args, name) for name in _OPTIONS if getattr(args, name) is not None}
     for name in given:
         if kind not in _OPTIONS[name]:
+            option = name.removesuffix("_format").replace("_", "-")
             raise ValueError(
-                f"--{name.replace('_', '-')} does not apply to {kind}. Leave it out, or say --as {_OPTIONS[name][0]}."
+                f"--{option} does not apply to {kind}. Leave it out, or say --as {_OPTIONS[name][0]}."
             )
     if kind == "poses":
         return _poses(args)
