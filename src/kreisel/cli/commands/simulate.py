@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import time
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +27,7 @@ from kreisel.data.motion import Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses, even_times
 from kreisel.files.doors import format_names
+from kreisel.files.units import scale
 
 HELP = "IMU data of a body that moves along the poses in a file"
 
@@ -35,6 +38,7 @@ examples:
   kreisel simulate poses.csv -o out/ --imu bmi088 --seed 7
   kreisel simulate poses.csv -o out/ --sensor bmi088 --imu left:0,0.1,0 --imu right:0,-0.1,0
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
+  kreisel simulate mocap.csv -o out/ --noise 0.1mm,0.01deg --max-gap 0.5
   kreisel simulate flight.csv -o out/ --frame ned-frd
   kreisel simulate poses.csv -o out/ --rate 1000 --check
 """
@@ -65,6 +69,15 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument("--rate", type=float, metavar="HZ", help="IMU rate (default: the times of the poses)")
     parser.add_argument(
         "--method", default="auto", help="auto (default), spline, smooth or gradient (MATLAB's scheme)"
+    )
+    parser.add_argument(
+        "--noise",
+        metavar="LENGTH[,ANGLE]",
+        help="noise of the poses where it is known, such as 0.1mm or 0.1mm,0.01deg; x/y/z for one per axis, such as "
+        "0.1/0.1/0.3mm (default: found from the poses)",
+    )
+    parser.add_argument(
+        "--max-gap", type=float, metavar="S", help="longest time without poses that is bridged (default 0.25 s)"
     )
     parser.add_argument("--orientation", help="tangent or transport, in place of the file's attitude")
     parser.add_argument("--to-frame", default="enu-flu", help=f"world of the output: {', '.join(WORLDS)}")
@@ -99,6 +112,9 @@ def run(args: Namespace) -> int:
     mounts = [to_enu_flu(mount, args.frame) for mount, _ in given]
     sensors = [sensor or args.sensor for _, sensor in given]
     imus = [sensor_imu(sensor, mount) for mount, sensor in zip(mounts, sensors, strict=True)]
+    smoothing = parse_noise(args.noise)
+    if args.max_gap is not None:
+        smoothing["max_gap"] = args.max_gap
     outputs = simulation_outputs(
         [mount.name for mount in mounts],
         erring=[imu.mount.name for imu in imus if errs(imu)],
@@ -110,7 +126,7 @@ def run(args: Namespace) -> int:
     check_outputs(args.output, outputs)
     poses = read_input(args, kind="poses")
     assert isinstance(poses, Poses)  # the kind asked for
-    trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method)
+    trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method, **smoothing)
     motion = trajectory.sample(None if args.rate is None else even_times(*trajectory.span, args.rate))
     made = Simulation(motion, mounts, *record_all(imus, motion, args.seed))
     lines = write_outputs(args.output, outputs, made)
@@ -138,6 +154,29 @@ def parse_imu(text: str, number: int = 0) -> tuple[Mount, str | None]:
     if text and "," not in text and ":" not in text:
         return Mount(name=file_name("the NAME of --imu", Path(text).stem)), text
     return parse_mount(text, number), None
+
+
+def parse_noise(text: str | None) -> dict[str, Any]:
+    """Options of a SampledTrajectory that "LENGTH[,ANGLE]" stands for, each "0.1mm" or "0.1/0.1/0.3mm"."""
+    names = (("position_noise", "length"), ("attitude_noise", "angle"))
+    parts = [] if text is None else text.split(",")
+    if len(parts) > 2:
+        raise ValueError(f"--noise takes LENGTH[,ANGLE], such as 0.1mm,0.01deg; got {text!r}.")
+    return {name: _level(part, quantity) for part, (name, quantity) in zip(parts, names, strict=False)}
+
+
+def _level(text: str, quantity: str) -> list[float]:
+    """The numbers before a unit, in ours."""
+    match = re.fullmatch(r"\s*([-+0-9.eE/]*[0-9.])\s*([a-zA-Z]+)\s*", text)
+    try:
+        assert match is not None
+        numbers = np.array([float(number) for number in match[1].split("/")])
+    except (AssertionError, ValueError):
+        raise ValueError(f"--noise takes numbers with their unit, such as 0.1mm,0.01deg; got {text!r}.") from None
+    if len(numbers) not in (1, 3):
+        raise ValueError(f"--noise takes one number or three, x/y/z; got {text!r}.")
+    scaled = scale(match[2], quantity)(numbers).tolist()
+    return scaled * 3 if len(scaled) == 1 else scaled
 
 
 def parse_mount(text: str, number: int = 0, name: str = "") -> Mount:
