@@ -12,7 +12,7 @@ from kreisel.maths.derivatives import UNKNOWN
 from kreisel.maths.smoothing.blocks import Piece
 from kreisel.maths.smoothing.joining import joined
 from kreisel.maths.smoothing.likelihood import Choice, most_likely, remembering
-from kreisel.maths.smoothing.outliers import Division, Fit, divide
+from kreisel.maths.smoothing.outliers import Division, Fit, divide, same
 from kreisel.maths.smoothing.system import Samples
 
 Array = npt.NDArray[np.float64]
@@ -132,10 +132,10 @@ def _purged(samples: Sequence[Samples]) -> tuple[list[Fit], Division]:
     # Noise is taken for white until the outliers are gone: an outlier is correlated with nothing.
     fits = [_searched(s, division) for s in samples]
     for _ in range(_ROUNDS):
-        after = divide(fits, _confirmed(fits, division))
-        if _same(after, division):
-            after = _taken_back(fits, after)
-        changed, division = not _same(after, division), after
+        after = _confirmed(fits, division)
+        for change in (divide, _taken_back):
+            after = change(fits, after) if same(after, division) else after
+        changed, division = not same(after, division), after
         if not changed:
             break
         fits = [_again(fit, division) for fit in fits]
@@ -171,10 +171,6 @@ def _level(pieces: Sequence[Piece]) -> float:
     """Standard deviation of the noise as the samples show it."""
     free = sum(piece.samples.degrees_of_freedom for piece in pieces)
     return float(np.sqrt(sum(piece.energy for piece in pieces) / free))
-
-
-def _same(a: Division, b: Division) -> bool:
-    return a.breaks == b.breaks and bool(np.array_equal(a.kept, b.kept))
 
 
 def _confirmed(fits: Sequence[Fit], division: Division) -> Division:
