@@ -82,10 +82,7 @@ class System:
         if samples.rate is not None:
             rows = basis_rows(knots, samples.t, 1)
             self.rate_rows = rows
-            self.rate_gram, self.rate_moments = (
-                gram(rows, self.size),
-                transposed(rows, samples.rate, self.size),
-            )
+            self.rate_gram, self.rate_moments = gram(rows, self.size), transposed(rows, samples.rate, self.size)
 
     def _whitened(self, memory: float) -> tuple[Rows, Array, Array, Array, float]:
         """Rows and samples whose noise is white; Gram matrix, moments, and log determinant of the change."""
@@ -119,15 +116,19 @@ class System:
         self, c: Array, smoothness: Smoothness, first: int = 0, last: int | None = None
     ) -> float:
         """What `solve` makes least; of the coefficients from `first` up to `last` alone where these are given."""
-        rows, x, *_ = self._values(smoothness.memory)
         last = self.size if last is None else last
         mine = slice(*np.searchsorted(self.rows.starts, [first, last]))
-        energy = np.square((x - product(rows, c))[mine]).sum()
+        energy = np.square(self.news(c, smoothness.memory)[1][mine]).sum()
         energy += smoothness.penalty * np.square(product(self.penalties, c)[first:last]).sum()
         if self.samples.rate is not None:
             left = (self.samples.rate - product(self.rate_rows, c))[mine]
             energy += smoothness.weight * np.square(left).sum()
         return float(energy)
+
+    def news(self, c: Array, memory: float) -> tuple[Array, Array]:
+        """(n, c) what is new in every sample and in what is left of it, per standard deviation of noise."""
+        rows, x, *_ = self._values(memory)
+        return x, x - product(rows, c)
 
     def residuals(self, c: Array) -> Array:
         """(n, c) what is left of the samples."""
@@ -155,3 +156,4 @@ class System:
         # Kept off zero: constant samples are fitted without any residual.
         free = samples.degrees_of_freedom
         return float(free * np.log(max(solution.energy, 1e-300) / free) + freedom)
+
