@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from kreisel.data.attitude import AttitudeHistory
-from kreisel.data.recording import ImuRecording
+from kreisel.data.checks import instance
+from kreisel.data.recording import SOURCE, ImuRecording
 from kreisel.estimate import filters as at
 from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters import Array, AttitudeFilter
@@ -23,6 +24,7 @@ def run(filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None = No
     Its a_N is the specific force of each sample in N less gravity, not smoothed; NaN where the sample is missing.
     Raises ValueError where the filter needs a magnetometer that the recording does not have.
     """
+    instance("recording", recording, ImuRecording, SOURCE)
     columns = Columns.of(1, len(recording))
     for first, answers in _blocks(filter, recording, R_NS):
         columns.fill(first, answers[None], argument(recording.accel[None]))
