@@ -186,7 +186,7 @@ HEADER = "t [s],p_x [m],p_y [m],p_z [m]\n"
         (HEADER + "0,0,0,0\n1,nan,0,0\n", "line 3"),
         (HEADER + "0,0,0,0\n0,1,0,0\n", "stands still"),
         (HEADER + "0,0,0,0\n1,1,0\n", "line 3"),
-        (HEADER + "0,0,0,0\n1,1,0,0\n", "at least 6 samples; got 2"),
+        (HEADER + "0,0,0,0\n1,1,0,0\n", "at least 6 samples of positions; got 2"),
         ("time,x,y\n1,2,3\n", "bad.csv"),
     ],
 )

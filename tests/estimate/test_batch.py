@@ -96,6 +96,15 @@ def test_recordings_of_all_kinds_in_one_list(
     assert run_all(filter, []) == []
 
 
+def test_accelerations_of_a_batch_are_those_of_its_runs(rng: np.random.Generator) -> None:
+    t, gyro, accel, mag = recordings(rng, 3, 40)
+    batch = run_batch(PUBLISHED, t, gyro, accel, mag)
+    # What the batch keeps of its input does not change behind its back.
+    accel[:] = 0.0
+    for k in range(3):
+        assert np.array_equal(batch.a_N[k], batch[k].a_N)
+
+
 def test_what_does_not_fit_is_refused(rng: np.random.Generator) -> None:
     t, gyro, accel, mag = recordings(rng, 2, 20)
     with pytest.raises(ValueError, match="gyro must be"):

@@ -15,7 +15,9 @@ import pytest
 from kreisel import discovery
 from kreisel.data.environment import Environment
 from kreisel.data.motion import Mount
+from kreisel.data.segment import Segment
 from kreisel.data.trajectory import Poses
+from kreisel.data.waypoint import Waypoint
 from kreisel.files.doors import write
 from kreisel.maths.rotations import matrix_from_euler
 from kreisel.simulate.imu import Imu
@@ -65,7 +67,10 @@ def test_recordings_are_those_of_the_parts_put_together_by_hand():
     assert result.motion.p_NB.tobytes() == motion.p_NB.tobytes()
 
 
-@pytest.mark.parametrize("name", ["figure_1.toml", "expressions.toml", "past_iron.toml"])
+SAME_BITS = ["figure_1.toml", "expressions.toml", "past_iron.toml", "drone.toml", "round_the_block.toml"]
+
+
+@pytest.mark.parametrize("name", SAME_BITS)
 def test_a_scenario_and_the_one_read_back_give_the_same_bits(name):
     scenario = Scenario.load(EXAMPLES / name)
     first, second = run(scenario), run(Scenario.from_toml(scenario.to_toml()))
@@ -75,6 +80,16 @@ def test_a_scenario_and_the_one_read_back_give_the_same_bits(name):
     for one, other in zip(first.estimates, second.estimates, strict=True):
         assert one.attitude.R_NS.tobytes() == other.attitude.R_NS.tobytes()
     assert json.dumps(first.report()) == json.dumps(second.report())
+
+
+def test_a_heading_that_nothing_tells_can_be_left_out_of_the_errors():
+    turned = TrajectoryRecipe("rest", {"phi": (0.1, 0.2, 1.0)})
+    filters = (FilterRecipe("dcm", name="as it is"), FilterRecipe("dcm", name="aligned", align="heading"))
+    as_it_is, aligned = (e.summary for e in run(Scenario(turned, 5.0, 100.0, filters=filters)).estimates)
+    assert as_it_is.heading_rmse_deg > 10.0
+    # At rest the answer stays where it began: nothing but the offset is wrong.
+    assert aligned.heading_rmse_deg < 1e-6
+    assert abs(aligned.heading_offset_deg) == pytest.approx(as_it_is.heading_rmse_deg)
 
 
 def test_a_trajectory_of_functions_runs_too():
@@ -119,7 +134,9 @@ def test_every_kind_of_trajectory_is_offered():
     }
 
 
-@pytest.mark.parametrize("kind", sorted(set(trajectory_kinds()) - {"expressions", "file"}))
+@pytest.mark.parametrize(
+    "kind", sorted(set(trajectory_kinds()) - {"expressions", "file", "profile", "waypoints"})
+)
 def test_a_kind_runs_with_its_defaults(kind):
     result = run(Scenario(TrajectoryRecipe(kind), 0.5, 50.0))
     assert len(result.recordings[0]) == 26
@@ -129,7 +146,7 @@ DOCS = (Path(__file__).resolve().parents[2] / "docs" / "scenarios.md").read_text
 
 
 def test_the_docs_have_every_key_kind_and_function():
-    recipes = (Scenario, ImuRecipe, EnvironmentRecipe)
+    recipes = (Scenario, ImuRecipe, EnvironmentRecipe, Waypoint, Segment)
     keys = {f.name for recipe in recipes for f in fields(recipe)} - {
         "imus",
         "filters",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,6 +17,7 @@ from kreisel.data.frames import to_enu_flu
 from kreisel.data.motion import Motion
 from kreisel.data.trajectory import Poses, even_times
 from kreisel.data.waypoint import Waypoint
+from kreisel.files.units import scale
 
 KINDS = ("poses", "waypoints", "profile")
 
@@ -29,7 +31,9 @@ _OPTIONS = {
     "banked": ("waypoints", "profile"),
     "ramp": ("profile",),
     "heading": ("profile",),
-    "method": ("poses",),
+    **dict.fromkeys(
+        ("method", "noise", "max_gap", "from_format", "kind", "column", "input_rate", "times"), ("poses",)
+    ),
 }
 
 
@@ -49,6 +53,19 @@ def add_course_arguments(parser: ArgumentParser) -> None:
         metavar="KIND",
         help="what the rows of the input are: poses (default), waypoints to pass smoothly, or a motion profile "
         "(drive, turn, climb, stop, rest; also gnss-ins-sim's motion definitions); docs/motion.md",
+    )
+    group = parser.add_argument_group("noisy poses")
+    group.add_argument(
+        "--noise",
+        metavar="LENGTH[,ANGLE]",
+        help="noise of the poses where it is known, such as 0.1mm or 0.1mm,0.01deg; x/y/z for one per axis, such as "
+        "0.1/0.1/0.3mm (default: found from the poses)",
+    )
+    group.add_argument(
+        "--max-gap",
+        type=float,
+        metavar="S",
+        help="longest time without poses that is bridged (default 0.25 s)",
     )
     group = parser.add_argument_group("waypoints and profiles")
     group.add_argument("--max-speed", type=float, metavar="M/S", help="limit on the way along waypoints")
@@ -77,8 +94,9 @@ def read_course(args: Namespace) -> Course:
     given = {name: getattr(args, name) for name in _OPTIONS if getattr(args, name) is not None}
     for name in given:
         if kind not in _OPTIONS[name]:
+            option = name.removesuffix("_format").replace("_", "-")
             raise ValueError(
-                f"--{name.replace('_', '-')} does not apply to {kind}. Leave it out, or say --as {_OPTIONS[name][0]}."
+                f"--{option} does not apply to {kind}. Leave it out, or say --as {_OPTIONS[name][0]}."
             )
     if kind == "poses":
         return _poses(args)
@@ -97,10 +115,38 @@ def _poses(args: Namespace) -> Course:
     except ValueError as error:
         raise ValueError(f"{error}{_meant(args.input)}") from None
     assert isinstance(poses, Poses)  # the kind asked for
-    trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method or "auto")
+    smoothing = parse_noise(args.noise)
+    if args.max_gap is not None:
+        smoothing["max_gap"] = args.max_gap
+    trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method or "auto", **smoothing)
     first, last = trajectory.span
     motion = trajectory.sample(None if args.rate is None else even_times(first, last, args.rate))
     return Course(motion, f"{len(poses)} poses over {last - first:.4g} s")
+
+
+def parse_noise(text: str | None) -> dict[str, Any]:
+    """Options of a SampledTrajectory that "LENGTH[,ANGLE]" stands for, each "0.1mm" or "0.1/0.1/0.3mm"."""
+    names = (("position_noise", "length"), ("attitude_noise", "angle"))
+    parts = [] if text is None else text.split(",")
+    if len(parts) > 2:
+        raise ValueError(f"--noise takes LENGTH[,ANGLE], such as 0.1mm,0.01deg; got {text!r}.")
+    return {name: _level(part, quantity) for part, (name, quantity) in zip(parts, names, strict=False)}
+
+
+def _level(text: str, quantity: str) -> list[float]:
+    """The numbers before a unit, in ours."""
+    match = re.fullmatch(r"\s*([-+0-9.eE/]*[0-9.])\s*([a-zA-Z]+)\s*", text)
+    try:
+        assert match is not None
+        numbers = np.array([float(number) for number in match[1].split("/")])
+    except (AssertionError, ValueError):
+        raise ValueError(
+            f"--noise takes numbers with their unit, such as 0.1mm,0.01deg; got {text!r}."
+        ) from None
+    if len(numbers) not in (1, 3):
+        raise ValueError(f"--noise takes one number or three, x/y/z; got {text!r}.")
+    scaled = scale(match[2], quantity)(numbers).tolist()
+    return scaled * 3 if len(scaled) == 1 else scaled
 
 
 def _meant(path: str) -> str:

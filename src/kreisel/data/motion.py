@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel.data.checks import Array, finite, increasing, read_only, rotations, same_length, shaped
-from kreisel.maths.kinematics import motion_at
+from kreisel.maths.kinematics import Uncertainty, acceleration_sigma_at, motion_at
 from kreisel.maths.rotations import euler_from_matrix, quat_wxyz_from_matrix
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class Note:
     """Something a user should know about how a motion came to be: the method chosen, a jump and its time."""
 
-    kind: str  # "method", "heading-jump", "rate-step", "rest", "gap"
+    kind: str  # "method", "heading-jump", "rate-step", "rest", "gap", "outlier", "jump", "rough"
     text: str  # one sentence
     t: float | None = None  # s, where it happened
 
@@ -40,7 +40,11 @@ class Mount:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motion:
-    """Motion of a body B in N at time stamps; every field is exact to the method that made it."""
+    """Motion of a body B in N at time stamps; every field is exact to the method that made it.
+
+    Where noisy samples were smoothed, the standard errors of what an IMU feels come along; NaN where they are not
+    known. Their axes are taken for independent, and so are the four.
+    """
 
     t: Array  # (n,) s after t0_ns, strictly increasing
     p_NB: Array  # (n, 3) m
@@ -52,6 +56,10 @@ class Motion:
     t0_ns: int = 0  # epoch of t = 0, ns
     name: str = ""
     notes: tuple[Note, ...] = ()
+    theta_sigma: Array | None = None  # (n, 3) rad, of rotations about the axes of B
+    a_sigma: Array | None = None  # (n, 3) m/s^2, along the axes of N
+    omega_sigma: Array | None = None  # (n, 3) rad/s
+    alpha_sigma: Array | None = None  # (n, 3) rad/s^2
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -62,10 +70,21 @@ class Motion:
             put(self, name, column)
         put(self, "R_NB", rotations("R_NB", shaped("R_NB", self.R_NB, ("n", 3, 3))))
         same_length(self.t, R_NB=self.R_NB)
+        for name in ("theta_sigma", "a_sigma", "omega_sigma", "alpha_sigma"):
+            if getattr(self, name) is not None:
+                column = shaped(name, getattr(self, name), ("n", 3))
+                same_length(self.t, **{name: column})
+                put(self, name, column)
         put(self, "t0_ns", int(self.t0_ns))
 
     def __len__(self) -> int:
         return len(self.t)
+
+    @property
+    def uncertainty(self) -> Uncertainty | None:
+        """The four standard errors together, where all are known."""
+        found = (self.theta_sigma, self.a_sigma, self.omega_sigma, self.alpha_sigma)
+        return None if any(sigma is None for sigma in found) else Uncertainty(*found)  # type: ignore[arg-type]
 
     @property
     def quat_wxyz(self) -> Array:
@@ -85,10 +104,24 @@ class Motion:
         return Rotation.from_matrix(self.R_NB)
 
     def at(self, mount: Mount) -> Motion:
-        """Motion of the sensor at `mount`, in sensor axes (frame S in place of B)."""
+        """Motion of the sensor at `mount`, in sensor axes (frame S in place of B).
+
+        Standard errors that a lever arm or a turn makes depend on each other keep no memory of it.
+        """
         names = ("p_NB", "v_NB", "a_NB", "R_NB", "omega_NB_B", "alpha_NB_B")
         moved = motion_at(mount.p_BS, mount.R_BS, *(getattr(self, name) for name in names))
-        return self._with(dict(zip(names, moved, strict=True)))
+        return self._with(dict(zip(names, moved, strict=True)) | self._sigmas_at(mount))
+
+    def _sigmas_at(self, mount: Mount) -> dict[str, Array]:
+        known = self.uncertainty
+        if known is None:
+            return {}
+        a_sigma = acceleration_sigma_at(mount.p_BS, self.R_NB, self.omega_NB_B, known)
+        turned = (
+            np.sqrt(np.square(s) @ np.square(mount.R_BS)) for s in (known.theta, known.omega, known.alpha)
+        )
+        theta, omega, alpha = turned
+        return {"theta_sigma": theta, "a_sigma": a_sigma, "omega_sigma": omega, "alpha_sigma": alpha}
 
     def rows(self, rows: slice | npt.NDArray[np.int64]) -> Motion:
         """The samples that `rows` picks, which must keep them in order; notes are kept as they are."""

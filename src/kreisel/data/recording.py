@@ -12,7 +12,10 @@ SOURCE = "kreisel.read gives one; of what Imu.record made take .measured."
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ImuRecording:
-    """What an IMU delivers, in sensor axes S. A NaN row is a missing sample."""
+    """What an IMU delivers, in sensor axes S. A NaN row is a missing sample.
+
+    Ideal readings of a motion that was found behind noise know how uncertain they are.
+    """
 
     t: Array  # (n,) s after t0_ns, strictly increasing
     gyro: Array  # (n, 3) rad/s, omega_NS_S, right-handed
@@ -20,16 +23,20 @@ class ImuRecording:
     mag_uT: Array | None = None  # (n, 3) microtesla; NaN rows where the magnetometer has no sample
     t0_ns: int = 0  # epoch of t = 0, ns
     name: str = ""
+    gyro_sigma: Array | None = None  # (n, 3) rad/s, standard error
+    accel_sigma: Array | None = None  # (n, 3) m/s^2, standard error
 
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "t", increasing("t", shaped("t", self.t, ("n",))))
         put(self, "gyro", shaped("gyro", self.gyro, ("n", 3)))
         put(self, "accel", shaped("accel", self.accel, ("n", 3)))
-        if self.mag_uT is not None:
-            put(self, "mag_uT", shaped("mag_uT", self.mag_uT, ("n", 3)))
+        for name in ("mag_uT", "gyro_sigma", "accel_sigma"):
+            if getattr(self, name) is not None:
+                put(self, name, shaped(name, getattr(self, name), ("n", 3)))
         put(self, "t0_ns", int(self.t0_ns))
-        same_length(self.t, gyro=self.gyro, accel=self.accel, mag_uT=self.mag_uT)
+        columns = ("gyro", "accel", "mag_uT", "gyro_sigma", "accel_sigma")
+        same_length(self.t, **{name: getattr(self, name) for name in columns})
 
     def __len__(self) -> int:
         return len(self.t)

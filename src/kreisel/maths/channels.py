@@ -39,16 +39,17 @@ def lasts(ramps: list[Ramp]) -> float:
     return sum(ramp.duration for ramp in ramps)
 
 
-def channel(start: float, ramps: list[Ramp]) -> Polynomials:
+def channel(start: float, ramps: list[Ramp], smooth: int = 3) -> Polynomials:
     """The quantity over time from t = 0 on: from `start`, by ramps one after the other.
 
-    Its rate has two continuous derivatives (its ramps are the quintics without slope and curvature at both ends).
+    It has as many continuous derivatives as `smooth` says. With 3, ramps of its rate are the quintics without slope
+    and curvature at both ends.
     """
     kept = [ramp for ramp in ramps if ramp.duration > SHORTEST]
     duration, before, after = (np.array(column) for column in zip(*kept, strict=True))
     breaks = np.concatenate([[0.0], np.cumsum(duration)])
     values = start + np.concatenate([[0.0], np.cumsum(0.5 * (before + after) * duration)])
-    ends = np.zeros((len(kept), 2, 4, 1))
+    ends = np.zeros((len(kept), 2, smooth + 1, 1))
     ends[:, 0, 0, 0], ends[:, 1, 0, 0] = values[:-1], values[1:]
     ends[:, 0, 1, 0], ends[:, 1, 1, 0] = before, after
     return hermite(breaks, ends)

@@ -6,6 +6,7 @@ Equation numbers are those of document 000. Everything rotational is in body axe
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +14,15 @@ import numpy.typing as npt
 from kreisel.maths.kernels import argument, kernel
 
 Array = npt.NDArray[np.float64]
+
+
+class Uncertainty(NamedTuple):
+    """Standard errors of what an IMU feels, independent of each other and from axis to axis."""
+
+    theta: Array  # (n, 3) rad, of rotations about the axes of B
+    a: Array  # (n, 3) m/s^2, along the axes of N
+    omega: Array  # (n, 3) rad/s, in B
+    alpha: Array  # (n, 3) rad/s^2, in B
 
 
 def motion_at(
@@ -68,6 +78,61 @@ def _specific_force(a: Array, R: Array, g_N: Array, f: Array) -> None:
         x, y, z = a[k, 0] - g_N[0], a[k, 1] - g_N[1], a[k, 2] - g_N[2]
         for j in range(3):
             f[k, j] = R[k, 0, j] * x + R[k, 1, j] * y + R[k, 2, j] * z
+
+
+def linear_acceleration(R_NS: Array, f_S: Array, gravity: float) -> Array:
+    """a_NS (n, 3) in N that a sensor with attitude R_NS (n, 3, 3) shows by its specific force (n, 3): R_NS f + g_N.
+
+    g_N = (0, 0, -gravity). One sample gives the bits that it gives among others.
+    """
+    a_N = np.empty((len(f_S), 3))
+    _linear_acceleration(argument(R_NS), argument(f_S), gravity, a_N)
+    return a_N
+
+
+@kernel
+def _linear_acceleration(R: Array, f: Array, gravity: float, a: Array) -> None:
+    for k in range(R.shape[0]):
+        x, y, z = f[k, 0], f[k, 1], f[k, 2]
+        a[k, 0] = R[k, 0, 0] * x + R[k, 0, 1] * y + R[k, 0, 2] * z
+        a[k, 1] = R[k, 1, 0] * x + R[k, 1, 1] * y + R[k, 1, 2] * z
+        a[k, 2] = R[k, 2, 0] * x + R[k, 2, 1] * y + R[k, 2, 2] * z - gravity
+
+
+def specific_force_sigma(
+    force_S: Array, mount: tuple[Array, Array], R_NB: Array, omega_NB_B: Array, known: Uncertainty
+) -> Array:
+    """Standard error (n, 3), in S, of the specific force `force_S` (n, 3) at a mount (p_BS, R_BS) of a body.
+
+    To first order: of the acceleration, of the tilt under which the force is seen, and of both terms that the
+    lever arm adds.
+    """
+    p_BS, R_BS = mount
+    a = np.swapaxes(R_NB, 1, 2) * known.a[:, None, :]
+    tilt = _cross_matrix(force_S @ R_BS.T) * known.theta[:, None, :]
+    parts = np.concatenate([a, tilt, *_lever_parts(p_BS, omega_NB_B, known)], axis=2)
+    return np.asarray(np.linalg.norm(R_BS.T @ parts, axis=2))
+
+
+def acceleration_sigma_at(p_BS: Array, R_NB: Array, omega_NB_B: Array, known: Uncertainty) -> Array:
+    """Standard error (n, 3) along the axes of N of the acceleration at p_BS."""
+    lever = np.linalg.norm(R_NB @ np.concatenate(_lever_parts(p_BS, omega_NB_B, known), axis=2), axis=2)
+    return np.hypot(known.a, lever)
+
+
+def _lever_parts(p_BS: Array, omega_NB_B: Array, known: Uncertainty) -> tuple[Array, Array]:
+    """Errors (n, 3, 3) of omega x (omega x r) and of alpha x r in B, one column per axis of rate and its derivative."""
+    inner = (omega_NB_B @ p_BS)[:, None, None] * np.eye(3)
+    outer = omega_NB_B[:, :, None] * p_BS - 2.0 * p_BS[:, None] * omega_NB_B[:, None, :]
+    turning = -_cross_matrix(np.broadcast_to(p_BS, known.alpha.shape))
+    return (inner + outer) * known.omega[:, None, :], turning * known.alpha[:, None, :]
+
+
+def _cross_matrix(v: Array) -> Array:
+    """(n, 3, 3) matrices of v x."""
+    out = np.zeros((len(v), 3, 3))
+    out[:, 2, 1], out[:, 0, 2], out[:, 1, 0] = v.T
+    return np.asarray(out - np.swapaxes(out, 1, 2))
 
 
 def euler_motion(phi: Array, dphi: Array, ddphi: Array) -> tuple[Array, Array, Array]:

@@ -15,7 +15,7 @@ from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.data.temperature import TemperatureHistory
-from kreisel.maths.kinematics import specific_force
+from kreisel.maths.kinematics import specific_force, specific_force_sigma
 from kreisel.maths.random import seed_from, stream
 from kreisel.maths.rotations import log_so3
 from kreisel.maths.turning import State, falls, felt_acceleration, felt_rate, standing_still
@@ -142,6 +142,8 @@ class Imu:
     def ideal(self, motion: Motion) -> ImuRecording:
         """What a perfect IMU at the mount reads at the times of `motion`; with a field around it, a magnetometer too.
 
+        Where the motion knows its standard errors, so does the reading.
+
         Source: document 000, eq. (9), with the specific force R_SN (a_N - g_N) for its a_S. Where the environment
         turns N, the gyroscope reads that rate too, and Coriolis and the centrifugal term are in a_N
         (kreisel.maths.turning). Raises ValueError then for a motion that leaves the 100 km around the origin, and
@@ -157,6 +159,7 @@ class Imu:
             accel[rows] = specific_force(a_N, at_sensor.R_NB, self.environment.g_N)
             if field_N_uT is not None:
                 mag_uT[rows] = self._field_in_S(field_N_uT, at_sensor)
+        gyro_sigma, accel_sigma = self._sigmas(motion, accel)
         return ImuRecording(
             t=motion.t,
             gyro=read_only(gyro),
@@ -164,6 +167,8 @@ class Imu:
             mag_uT=None if field_N_uT is None else read_only(mag_uT),
             t0_ns=motion.t0_ns,
             name=self.mount.name,
+            gyro_sigma=gyro_sigma,
+            accel_sigma=accel_sigma,
         )
 
     def _field_in_S(self, field_N_uT: Array, at_sensor: Motion) -> Array:
@@ -172,6 +177,20 @@ class Imu:
             added = self.environment.disturbance_N_uT(at_sensor.t, at_sensor.p_NB)
             in_S += np.einsum("nji,nj->ni", at_sensor.R_NB, added)
         return np.asarray(in_S)
+
+    def _sigmas(self, motion: Motion, accel: Array) -> tuple[Array | None, Array | None]:
+        """Standard errors of the ideal reading, where those of the motion are known."""
+        if motion.uncertainty is None:
+            return None, None
+        gyro_sigma, accel_sigma = np.empty((2, len(motion), 3))
+        place = self.mount.p_BS, self.mount.R_BS
+        for rows in _blocks(len(motion)):
+            body = motion.rows(rows)
+            known = body.uncertainty
+            assert known is not None  # as that of the whole
+            gyro_sigma[rows] = np.sqrt(np.square(known.omega) @ np.square(self.mount.R_BS))
+            accel_sigma[rows] = specific_force_sigma(accel[rows], place, body.R_NB, body.omega_NB_B, known)
+        return read_only(gyro_sigma), read_only(accel_sigma)
 
     def increments(self, motion: Motion) -> ImuIncrements:
         """What a perfect IMU at the mount adds up between the times of `motion`: coning and sculling are in it.

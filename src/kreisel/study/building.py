@@ -113,7 +113,7 @@ def _unknown_kind(kind: str, known: list[str], where: Place) -> NoReturn:
 def _from_file(folder: Path) -> Callable[..., Trajectory]:
     """The maker of kind "file"; relative paths begin at `folder`."""
     # Loaded here: it brings SciPy, which functions of time do without.
-    from kreisel.simulate.trajectories.sampled import SampledTrajectory
+    from kreisel.simulate.trajectories.sampled import MAX_GAP, SampledTrajectory
 
     def file(
         path: str,
@@ -121,11 +121,21 @@ def _from_file(folder: Path) -> Callable[..., Trajectory]:
         orientation: str | None = None,
         frame: str = "enu-flu",
         format: str | None = None,
+        position_noise: float | tuple[float, float, float] | None = None,
+        attitude_noise: float | tuple[float, float, float] | None = None,
+        max_gap: float = MAX_GAP,
     ) -> Trajectory:
         choice("frame", frame, tuple(WORLDS))
         poses = read(folder / path, format, kind="poses")
         assert isinstance(poses, Poses)
-        return SampledTrajectory.from_poses(to_enu_flu(poses, frame), orientation, method)
+        return SampledTrajectory.from_poses(
+            to_enu_flu(poses, frame),
+            orientation,
+            method,
+            position_noise=position_noise,
+            attitude_noise=attitude_noise,
+            max_gap=max_gap,
+        )
 
     return file
 

@@ -43,6 +43,7 @@ examples:
   kreisel simulate poses.csv -o out/ --imu bmi088 --seed 7
   kreisel simulate poses.csv -o out/ --sensor bmi088 --imu left:0,0.1,0 --imu right:0,-0.1,0
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
+  kreisel simulate mocap.csv -o out/ --noise 0.1mm,0.01deg --max-gap 0.5
   kreisel simulate flight.csv -o out/ --frame ned-frd
   kreisel simulate poses.csv -o out/ --rate 1000 --check
   kreisel simulate walk.csv -o out/ --place 48.14,11.58,520 --date 2026-05-01 --turning

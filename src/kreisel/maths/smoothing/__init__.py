@@ -5,5 +5,6 @@ block. The weight of the penalty, the noise level and the time over which the no
 restricted likelihood; what does not fit, single samples and lasting jumps, is recognised, set apart and named.
 """
 
+from kreisel.maths.smoothing.blocks import lost_share as lost_share
 from kreisel.maths.smoothing.spline import SmoothSignal as SmoothSignal
 from kreisel.maths.smoothing.spline import smoothing_spline as smoothing_spline

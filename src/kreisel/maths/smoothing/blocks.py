@@ -14,7 +14,7 @@ import numpy.typing as npt
 from scipy.interpolate import BSpline
 
 from kreisel.maths.derivatives import SplineSignal
-from kreisel.maths.smoothing.bands import DEGREE, inverse_band, knots_at
+from kreisel.maths.smoothing.bands import DEGREE, ORDER, inverse_band, knots_at
 from kreisel.maths.smoothing.likelihood import Choice
 from kreisel.maths.smoothing.system import Samples, System
 
@@ -28,9 +28,19 @@ BLOCK = 8192
 # largest penalty by exp(-0.12): after this many knots 1e-16 of it is left.
 MARGIN = 320
 
-# Standard errors are those of this many times the penalty found, which take half of the error that the prior
-# foresees for motion above the noise: see docs/decisions/0040-standard-errors-of-smoothed-poses.md
-HALF_OF_THE_PRIOR = float(np.exp(0.5))
+WIDER = 2.0
+"""Standard errors are those of this many times the penalty found, which count two fifths of the error that the prior
+foresees for what it smooths away: see docs/decisions/0040-standard-errors-of-smoothed-poses.md"""
+
+
+def lost_share(order: int) -> float:
+    """What the smoothing itself loses, of the variance of a derivative as standard errors have it; the rest is noise.
+
+    With H = 1 / (1 + penalty w^(2 ORDER)) variances are integrals of w^(2 order) H, in proportion to penalty^-p,
+    p = (2 order + 1) / (2 ORDER); noise has H^2, a share of 1 - p.
+    """
+    p = (2 * order + 1) / (2 * ORDER)
+    return float(1.0 - (1.0 - p) * WIDER**p)
 
 
 class Block(NamedTuple):
@@ -86,7 +96,7 @@ class Piece:
 
     def variances(self, t: Array, orders: range, out: Array) -> None:
         """Fill `out` (len(orders), n) with the variance of a column's derivatives, for noise of variance 1."""
-        wide = self.smoothness._replace(penalty=HALF_OF_THE_PRIOR * self.smoothness.penalty)
+        wide = self.smoothness._replace(penalty=WIDER * self.smoothness.penalty)
         owners = self.first_coefficients(t) // BLOCK
         for block in self._blocks(BLOCK * int(k) for k in np.unique(owners)):
             rows = slice(*np.searchsorted(owners, [block.own.start // BLOCK, block.own.start // BLOCK + 1]))

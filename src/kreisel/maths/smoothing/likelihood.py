@@ -6,7 +6,7 @@ can tell correlated noise, whose spectrum falls by two powers of frequency, from
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -39,6 +39,9 @@ _WORTH = 10.0
 # than differences of high order do takes for noise what is motion. Correlated noise leaves up to three times more.
 _NO_NOISE = 5.0
 
+# Where these differences are taken: their median is good to a tenth.
+_PLACES = 300
+
 # The new part of correlated noise, sample by sample, is of the size that white noise would have; where it is more
 # than this many times that, it has motion in it.
 _NO_NEWS = 1.5
@@ -61,7 +64,7 @@ def most_likely(segments: Sequence[Samples]) -> Choice:
         search = _Search(stretches, spacing)
         start = search.coarsely(_step(stretches), highest)
         if start.penalty < 10.0 ** (_HIGHEST - 0.5) or spacing > longest / (2 * DEGREE):
-            return Choice(_refined(search.cost, start), spacing)
+            return Choice(search.refined(start), spacing)
         spacing *= 2.0
 
 
@@ -78,7 +81,7 @@ def remembering(segments: Sequence[Samples], white: Choice) -> Choice:
     best, level = min(starts, key=search.cost), search.cost(white.smoothness)
     if search.cost(best) > level:
         return white
-    found = _refined(search.cost, best)
+    found = search.refined(best)
     if found.memory < _SHORTEST * step or search.cost(found) > level - _WORTH:
         return white
     news = search.level(found) * np.sqrt(-np.expm1(-2.0 * step / found.memory))
@@ -92,7 +95,7 @@ def _step(stretches: Sequence[Samples]) -> float:
 def _noise(stretches: Sequence[Samples]) -> float:
     """Standard deviation in a dimension that differences of high order show; infinite where they show none."""
     middle = stretches[len(stretches) // 2]
-    level = float(np.sqrt(np.square(noise_level(middle.t, middle.x)).sum() / middle.dimensions))
+    level = float(np.sqrt(np.square(noise_level(middle.t, middle.x, _PLACES)).sum() / middle.dimensions))
     return level if level > 0.0 else np.inf
 
 
@@ -126,38 +129,37 @@ class _Search:
                 return smoothness
         return grid[0]
 
+    def refined(self, start: Smoothness) -> Smoothness:
+        """The nearest optimum, of the memory too unless it is nil."""
+        from scipy.optimize import minimize
+
+        middle = np.log10([start.penalty, start.weight, max(start.memory, 1e-12)])
+        # A weight without rates changes nothing, and a memory of nil stays.
+        free = np.array([True, self.systems[0].samples.rate is not None, start.memory > 0.0])
+        low = np.array([_LOWEST, middle[1] - 6.0, -np.inf])
+        high = np.array([_HIGHEST, middle[1] + 6.0, np.log10(_LONGEST)])
+
+        def at(z: Array) -> Smoothness:
+            full = middle.copy()
+            full[free] = z
+            full = np.clip(full, low, high)
+            return Smoothness(10.0 ** full[0], 10.0 ** full[2] if free[2] else 0.0, 10.0 ** full[1])
+
+        begin = middle[free]
+        simplex = np.vstack([begin, begin + np.diag(np.where(begin > 0.5 * _HIGHEST, -0.4, 0.4))])
+        found = minimize(
+            lambda z: self.cost(at(z)),
+            begin,
+            method="Nelder-Mead",
+            options={"xatol": 0.02, "fatol": 0.05, "initial_simplex": simplex},
+        )
+        return at(found.x)
+
     def _left(self, smoothness: Smoothness) -> float:
         """Median length of the residuals, per that of normal variables of variance 1."""
         parts = [system.residuals(system.solve(smoothness).coefficients) for system in self.systems]
         lengths = np.concatenate([np.linalg.norm(part, axis=1) for part in parts])
         return float(np.median(lengths)) / TYPICAL_LENGTHS[self.systems[0].samples.dimensions][0]
-
-
-def _refined(cost: Callable[[Smoothness], float], start: Smoothness) -> Smoothness:
-    """The nearest optimum, of the memory too unless it is nil."""
-    from scipy.optimize import minimize
-
-    middle = np.log10([start.penalty, start.weight, max(start.memory, 1e-12)])
-    # A weight without rates changes nothing, and a memory of nil stays.
-    free = np.array([True, cost(start._replace(weight=2.0 * start.weight)) != cost(start), start.memory > 0.0])
-    low = np.array([_LOWEST, middle[1] - 6.0, -np.inf])
-    high = np.array([_HIGHEST, middle[1] + 6.0, np.log10(_LONGEST)])
-
-    def at(z: Array) -> Smoothness:
-        full = middle.copy()
-        full[free] = z
-        full = np.clip(full, low, high)
-        return Smoothness(10.0 ** full[0], 10.0 ** full[2] if free[2] else 0.0, 10.0 ** full[1])
-
-    begin = middle[free]
-    simplex = np.vstack([begin, begin + np.diag(np.where(begin > 0.5 * _HIGHEST, -0.4, 0.4))])
-    found = minimize(
-        lambda z: cost(at(z)),
-        begin,
-        method="Nelder-Mead",
-        options={"xatol": 0.02, "fatol": 0.05, "initial_simplex": simplex},
-    )
-    return at(found.x)
 
 
 def _stretches(segments: Sequence[Samples]) -> list[Samples]:

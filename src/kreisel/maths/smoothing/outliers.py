@@ -39,8 +39,9 @@ _SHARE = 0.3
 # at most, altogether and in a row.
 _TOGETHER, _AROUND, _MOST, _RUN = 8, 40, 6, 3
 
-# What an explanation costs per sample it takes out, and per break, in squares per variance and dimension.
-_PRICE = 12.0
+# What an explanation costs per sample it takes out, in squares per variance and dimension; and what a break does in
+# such samples, for it says more about a recording than three outliers.
+_PRICE, _BREAK = 12.0, 3
 
 
 class Division(NamedTuple):
@@ -82,18 +83,32 @@ class Event(NamedTuple):
 
 def divide(fits: Sequence[Fit], before: Division) -> Division:
     """`before` with those events taken out that single samples, a burst of them or a jump explain."""
-    kept, breaks, left = before.kept.copy(), set(before.breaks), list(before.left)
+    kept, breaks, unexplained = before.kept.copy(), set(before.breaks), []
     for event in _events(fits, before):
         if _near(event.rows, before.left):
             continue
         best = min(_explanations(fits, before, event), key=lambda e: e.cost, default=None)
         if best is None:
-            left.append(int(event.rows[len(event.rows) // 2]))
-            kept[max(0, event.rows[0] - _TOGETHER) : event.rows[-1] + _TOGETHER + 1] = True
+            unexplained.append(event)
         else:
             kept[list(best.out)] = False
             breaks |= {best.step} - {0}
-    return _tidy(before._replace(kept=kept, breaks=tuple(sorted(breaks)), left=tuple(left)))
+    after = _tidy(before._replace(kept=kept, breaks=tuple(sorted(breaks))))
+    # Without what was explained the noise is less, and the rest may be explained in the next round.
+    return after if not same(after, before) else _left_as_they_are(before, unexplained)
+
+
+def same(a: Division, b: Division) -> bool:
+    """Whether two divisions are alike."""
+    return a.breaks == b.breaks and a.left == b.left and bool(np.array_equal(a.kept, b.kept))
+
+
+def _left_as_they_are(division: Division, unexplained: Sequence[Event]) -> Division:
+    kept = division.kept.copy()
+    for event in unexplained:
+        kept[max(0, event.rows[0] - _TOGETHER) : event.rows[-1] + _TOGETHER + 1] = True
+    places = tuple(int(event.rows[len(event.rows) // 2]) for event in unexplained)
+    return division._replace(kept=kept, left=division.left + places)
 
 
 def _events(fits: Sequence[Fit], division: Division) -> list[Event]:
@@ -188,11 +203,11 @@ def _explanations(fits: Sequence[Fit], division: Division, event: Event) -> Iter
         energy = sum(quiet.energy for quiet in made if quiet)
         out = tuple(k for quiet in made if quiet for k in quiet.out)
         if _longest_run(~division.kept[first:last], np.array(out, dtype=int) - first) <= _RUN:
-            yield _Explanation(energy + price * (len(out) + (step > 0)), out, step)
+            yield _Explanation(energy + price * (len(out) + _BREAK * (step > 0)), out, step)
     for begin, end in _bursts(event):
         energy = _burst(fits, rows, begin, end)
         if energy < np.inf:
-            yield _Explanation(energy + 2.0 * price, tuple(rows[(rows >= begin) & (rows < end)]))
+            yield _Explanation(energy + _BREAK * price, tuple(rows[(rows >= begin) & (rows < end)]))
 
 
 def _longest_run(away: Mask, out: Indices) -> int:
@@ -247,9 +262,17 @@ def _quiet(fits: Sequence[Fit], rows: Indices) -> _Quiet | None:
         energies, loudness = zip(*(_alone(fit, rest) for fit in fits), strict=True)
         loudest = np.max(loudness, axis=0)
         if loudest.max() < _OUTLIER:
-            return _Quiet(sum(energies), tuple(out))
+            return _Quiet(sum(energies), _truly(fits, rest, np.array(sorted(out), dtype=np.intp)))
         out.append(int(rest[np.argmax(loudest)]))
     return None
+
+
+def _truly(fits: Sequence[Fit], rest: Indices, out: Indices) -> tuple[int, ...]:
+    """Those of `out` that lie off the spline through the rest: a good sample between bad ones may have been louder."""
+    if not out.size:
+        return ()
+    away = np.concatenate([_beside(fit, rest, out) for fit in fits], axis=1)
+    return tuple(int(k) for k in out[np.linalg.norm(away, axis=1) > _OUTLIER])
 
 
 def _alone(fit: Fit, rows: Indices) -> tuple[float, Array]:

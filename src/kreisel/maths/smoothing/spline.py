@@ -10,12 +10,14 @@ import numpy.typing as npt
 
 from kreisel.maths.derivatives import UNKNOWN
 from kreisel.maths.smoothing.blocks import Piece
+from kreisel.maths.smoothing.joining import joined
 from kreisel.maths.smoothing.likelihood import Choice, most_likely, remembering
-from kreisel.maths.smoothing.outliers import Division, Fit, divide
+from kreisel.maths.smoothing.outliers import Division, Fit, divide, same
 from kreisel.maths.smoothing.system import Samples
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.intp]
+Mask = npt.NDArray[np.bool_]
 
 # Rounds of smoothing and taking out what does not fit; each may find what louder events have hidden.
 _ROUNDS = 12
@@ -29,11 +31,12 @@ _ANOTHER = 0.1
 
 @dataclass(frozen=True, slots=True)
 class SmoothSignal:
-    """Columns of a signal as splines of time, in pieces where it jumps."""
+    """Columns of a signal as splines of time, without the jumps of its samples."""
 
     fits: tuple[Fit, ...]  # of columns that share their smoothness
     t: Array  # (n,) s, of the samples
-    division: Division
+    division: Division  # of the samples
+    sizes: Array  # (m, c) of the jumps, in the columns as they are after the jumps before
 
     @property
     def sigma(self) -> Array:
@@ -76,25 +79,17 @@ class SmoothSignal:
         """(order + 1, n, c): value and derivatives at increasing times t (n,)."""
         widths = [fit.samples.x.shape[1] for fit in self.fits]
         out = np.empty((order + 1, len(t), sum(widths)))
-        columns = np.cumsum([0, *widths])
-        for fit, first, last in zip(self.fits, columns[:-1], columns[1:], strict=True):
-            for piece, rows in zip(fit.pieces, self._rows(t), strict=True):
-                piece(t[rows], order, out[:, rows, first:last])
+        for fit, last, width in zip(self.fits, np.cumsum(widths), widths, strict=True):
+            fit.pieces[0](t, order, out[:, :, last - width : last])
         return out
 
     def variances(self, t: Array, orders: range) -> Array:
         """(len(orders), n, groups): variance of these derivatives in one dimension, at increasing times t (n,)."""
         out = np.empty((len(orders), len(t), len(self.fits)))
         for k, fit in enumerate(self.fits):
-            for piece, rows in zip(fit.pieces, self._rows(t), strict=True):
-                piece.variances(t[rows], orders, out[:, rows, k])
+            fit.pieces[0].variances(t, orders, out[:, :, k])
             out[:, :, k] *= fit.sigma**2
         return out
-
-    def _rows(self, t: Array) -> list[slice]:
-        """The times that belong to each piece."""
-        edges = [0, *np.searchsorted(t, self.jumps, side="right"), len(t)]
-        return [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
 
 
 def smoothing_spline(
@@ -120,11 +115,15 @@ def smoothing_spline(
     ]
     # Rates are no help in finding outliers: those of a state estimate know nothing of its corrections.
     fits, division = _purged([s._replace(rate=None) for s in samples])
-    if rate is not None:
-        fits = [_searched(s, division) for s in samples]
+    whole, sizes = division._replace(breaks=()), np.zeros((0, x.shape[1]))
+    if division.breaks:
+        pairs = [joined(s, fit.choice, division) for s, fit in zip(samples, fits, strict=True)]
+        samples, sizes = [s for s, _ in pairs], np.concatenate([size for _, size in pairs], axis=1)
+    if division.breaks or rate is not None:
+        fits = [_searched(s, whole) for s in samples]
     # A motion that is rougher for a while looks like noise that lasts.
-    fits = [fit if division.left else _remembering(fit, division) for fit in fits]
-    return SmoothSignal(tuple(fits), t, division)
+    fits = [fit if division.left else _remembering(fit, whole) for fit in fits]
+    return SmoothSignal(tuple(fits), t, division, sizes)
 
 
 def _purged(samples: Sequence[Samples]) -> tuple[list[Fit], Division]:
@@ -133,10 +132,10 @@ def _purged(samples: Sequence[Samples]) -> tuple[list[Fit], Division]:
     # Noise is taken for white until the outliers are gone: an outlier is correlated with nothing.
     fits = [_searched(s, division) for s in samples]
     for _ in range(_ROUNDS):
-        after = divide(fits, _confirmed(fits, division))
-        if _same(after, division):
-            after = _taken_back(fits, after)
-        changed, division = not _same(after, division), after
+        after = _confirmed(fits, division)
+        for change in (divide, _taken_back):
+            after = change(fits, after) if same(after, division) else after
+        changed, division = not same(after, division), after
         if not changed:
             break
         fits = [_again(fit, division) for fit in fits]
@@ -174,10 +173,6 @@ def _level(pieces: Sequence[Piece]) -> float:
     return float(np.sqrt(sum(piece.energy for piece in pieces) / free))
 
 
-def _same(a: Division, b: Division) -> bool:
-    return a.breaks == b.breaks and bool(np.array_equal(a.kept, b.kept))
-
-
 def _confirmed(fits: Sequence[Fit], division: Division) -> Division:
     """`division` without breaks at which both sides meet: a corner of the path is no jump."""
     jumps = [any(_jumps(*fit.pieces[k : k + 2], fit.sigma) for fit in fits) for k in range(len(division.breaks))]
@@ -199,17 +194,20 @@ def _jumps(before: Piece, after: Piece, sigma: float) -> bool:
 
 def _taken_back(fits: Sequence[Fit], division: Division) -> Division:
     """`division` with those samples back that fit after all."""
-    signal = SmoothSignal(tuple(fits), fits[0].samples.t, division)
-    away = ~division.kept
-    times = signal.t[away]
-    if not times.size:
-        return division
-    x = np.concatenate([fit.samples.x[away] for fit in fits], axis=1)
-    squares = np.square(x - signal(times, 0)[0])
-    if len(fits) == 1:
-        squares = squares.sum(axis=1, keepdims=True)
-    # Where next to nothing is known everything fits.
-    known = np.minimum(signal.variances(times, range(1))[0], np.square(signal.sigma)) + np.square(signal.sigma)
     kept = division.kept.copy()
-    kept[away] = (squares < _BELONGS**2 * known).all(axis=1)
+    for k, (a, b) in enumerate(division.edges):
+        away = a + np.flatnonzero(~division.kept[a:b])
+        if away.size:
+            kept[away] = np.all([_fits(fit, fit.pieces[k], away) for fit in fits], axis=0)
     return division._replace(kept=kept)
+
+
+def _fits(fit: Fit, piece: Piece, rows: Indices) -> Mask:
+    """Which of the samples `rows` are as near to a piece as noise is."""
+    t, x = fit.samples.t[rows], fit.samples.x[rows]
+    value, variance = np.empty((1, *x.shape)), np.empty((1, len(t)))
+    piece(t, 0, value)
+    piece.variances(t, range(1), variance)
+    # Where next to nothing is known everything fits.
+    known = fit.sigma * np.sqrt(1.0 + np.minimum(variance[0], 1.0))
+    return np.asarray(np.linalg.norm(x - value[0], axis=1) < _BELONGS * known)

@@ -116,15 +116,19 @@ class System:
         self, c: Array, smoothness: Smoothness, first: int = 0, last: int | None = None
     ) -> float:
         """What `solve` makes least; of the coefficients from `first` up to `last` alone where these are given."""
-        rows, x, *_ = self._values(smoothness.memory)
         last = self.size if last is None else last
         mine = slice(*np.searchsorted(self.rows.starts, [first, last]))
-        energy = np.square((x - product(rows, c))[mine]).sum()
+        energy = np.square(self.news(c, smoothness.memory)[1][mine]).sum()
         energy += smoothness.penalty * np.square(product(self.penalties, c)[first:last]).sum()
         if self.samples.rate is not None:
             left = (self.samples.rate - product(self.rate_rows, c))[mine]
             energy += smoothness.weight * np.square(left).sum()
         return float(energy)
+
+    def news(self, c: Array, memory: float) -> tuple[Array, Array]:
+        """(n, c) what is new in every sample and in what is left of it, per standard deviation of noise."""
+        rows, x, *_ = self._values(memory)
+        return x, x - product(rows, c)
 
     def residuals(self, c: Array) -> Array:
         """(n, c) what is left of the samples."""

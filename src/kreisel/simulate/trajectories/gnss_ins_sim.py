@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from kreisel.maths.channels import RAMP_SLOPE, Ramp, cell_edges, change, channel
 from kreisel.maths.kinematics import euler_motion
 from kreisel.maths.polynomials import Polynomials
 from kreisel.maths.running_integral import RunningIntegral
+from kreisel.simulate.notes import end_note
 
 # s, in which a rate of kind 1 and an acceleration come on: what the low-pass filter of that tool takes at 100 Hz.
 _RAMP = 0.2
@@ -32,8 +34,9 @@ _BODY_SIGNS = np.array([1.0, -1.0, -1.0])
 class CommandedMotion:
     """The motion of a vehicle that carries out the commands of a motion definition, from t = 0 at the origin of N.
 
-    max_acceleration: m/s^2, along each axis of B; max_angular_acceleration: rad/s^2 and max_rate: rad/s, of each Euler
-        angle: how fast commands of kinds 2 to 5 are carried out; the defaults are those of gnss-ins-sim.
+    max_acceleration: m/s^2, along each axis of B, in the mean over a change of speed.
+    max_angular_acceleration, max_rate: rad/s^2 and rad/s, of each Euler angle. Commands of kinds 2 to 5 are carried out
+        that fast; the defaults are those of gnss-ins-sim.
 
     N is flat and inertial, as that tool's reference frame 1; the visibility of satellites means nothing to an IMU. The
     notes of a motion name the commands that their time was too short for.
@@ -66,25 +69,17 @@ class CommandedMotion:
             "_way",
             RunningIntegral(lambda t: self._velocity(t)[0], cell_edges(channels[:3], channels[3:])),
         )
-        put(self, "_notes", (Note("method", self._told()), *cut))
+        put(self, "_notes", (self._end(), *cut))
 
-    def _told(self) -> str:
-        """How it ends, in one line."""
+    def _end(self) -> Note:
         last = np.array(self.span[1:])
-        (x, y, z), (yaw,), (speed,) = (
-            self._way(last)[0],
-            self._angles[2](last, 0)[0, 0],
-            self._speeds[0](last, 0)[0, 0],
-        )
-        return (
-            f"{len(self.definition.commands)} commands in {last[0]:.6g} s; at their end {speed:.4g} m/s at "
-            f"({x:.6g}, {y:.6g}, {z:.6g}) m, heading {np.rad2deg(yaw):.6g} deg"
-        )
+        yaw, speed = (float(part(last, 0)[0, 0, 0]) for part in (self._angles[2], self._speeds[0]))
+        return end_note(len(self.definition.commands), "command", last[0], self._way(last)[0], yaw, speed)
 
     def _limits(self, angle: bool) -> _Limits:
         if angle:
-            return _Limits(self.max_rate, self.max_angular_acceleration)
-        return _Limits(self.max_acceleration, self.max_acceleration * RAMP_SLOPE / _RAMP)
+            return _AngleLimits(self.max_rate, self.max_angular_acceleration)
+        return _SpeedLimits(self.max_acceleration)
 
     @property
     def span(self) -> tuple[float, float]:
@@ -112,9 +107,37 @@ class CommandedMotion:
         return v, a, R, omega, alpha
 
 
+class _Limits(Protocol):
+    """How fast an axis may change."""
+
+    def time(self, by: float) -> tuple[float, float]:
+        """Least time of a change `by`, s, and its ramp."""
+        ...
+
+    def most(self, duration: float) -> float:
+        """The largest change within `duration` s."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
-class _Limits:
-    """Of the rate of an axis, and of the change of that rate."""
+class _SpeedLimits:
+    """Of the mean acceleration: a stop from 10 m/s at 1 m/s^2 takes 10 s there, so that commands count on it."""
+
+    acceleration: float
+
+    def time(self, by: float) -> tuple[float, float]:
+        """As `_Limits` has it."""
+        duration = abs(by) / self.acceleration
+        return duration, min(_RAMP, 0.1 * duration)
+
+    def most(self, duration: float) -> float:
+        """As `_Limits` has it."""
+        return self.acceleration * duration
+
+
+@dataclass(frozen=True, slots=True)
+class _AngleLimits:
+    """Of the rate of an angle, and of the change of that rate."""
 
     rate: float
     bend: float
@@ -125,7 +148,7 @@ class _Limits:
         return RAMP_SLOPE * self.rate / self.bend
 
     def time(self, by: float) -> tuple[float, float]:
-        """Least time of a change `by`, s, and its ramp."""
+        """As `_Limits` has it."""
         rate = min(self.rate, float(np.sqrt(abs(by) * self.bend / RAMP_SLOPE)))
         if rate == 0.0:
             return 0.0, 0.0
@@ -133,7 +156,7 @@ class _Limits:
         return abs(by) / rate + ramp, ramp
 
     def most(self, duration: float) -> float:
-        """The largest change within `duration` s."""
+        """As `_Limits` has it."""
         ramp = min(self.ramp, 0.5 * duration)
         return ramp / self.ramp * self.rate * (duration - ramp)
 

@@ -7,45 +7,54 @@ any lane has something out of the ordinary (a gap of the gyro, no time, no attit
 
 import numpy as np
 
+from kreisel.estimate.answers import Columns, of_lane, tell
 from kreisel.estimate.filters.dcm import layout as at
-from kreisel.estimate.filters.dcm.published import advanced, setting_of, step, waits, weights_of
+from kreisel.estimate.filters.dcm.published import asked, moved, setting_of, step, waits, weights_of
 from kreisel.estimate.filters.dcm.start import is_rate
-from kreisel.maths.kernels import kernel
-from kreisel.maths.vectors import Array, scaled
+from kreisel.maths.kernels import inlined, kernel, wide_vectors
+from kreisel.maths.vectors import Array, Vector, dot, nearest_rotation, scaled
 
 LANES = 16
 
-# Places in the scratch of a step, in units of LANES: axes, then readings (gyro, accel, mag, dt). They are constants:
-# of places that it cannot compare the compiler assumes the worst, and takes lane by lane what they hold.
+# Rows of LANES in the scratch. They are constants: of places that it cannot compare the compiler assumes the worst,
+# and takes lane by lane what they hold.
 _AXES = 9
-_READING = 10
+_READING = 9  # gyro, accel, mag
 
 # Steps whose readings are gathered at once: lines of memory are fetched whole.
 _BLOCK = 16
 
+# A step of less than 0.009 rad, and axes that are askew by less than this, need no roots (see `moved`).
+_STEP2, _ASKEW = 0.8e-4, 1e-8
+
 
 @kernel
 def batch_of_lanes(
-    states: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, first: int, answers: Array
+    states: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, out: Columns
 ) -> None:
-    """The steps from sample `first` on of LANES recordings; answers (LANES, m, at.ANSWER) as `batch` has them.
+    """The steps through all samples of LANES recordings, and what the states say after each.
 
-    states (LANES, STATE); t (LANES, n); gyro, accel, mag (LANES, n, 3).
+    states (LANES, STATE); t (n,); gyro, accel, mag (LANES, n, 3).
     """
-    scratch, readings = np.empty((_AXES + _READING) * LANES), np.empty(_BLOCK * _READING * LANES)
+    wide_vectors()
+    axes, readings, answers = (
+        np.empty(2 * _AXES * LANES),
+        np.empty(_BLOCK * _READING * LANES),
+        np.empty(_BLOCK * _AXES * LANES),
+    )
     begun = False
-    for block in range(0, answers.shape[1], _BLOCK):
-        steps = min(_BLOCK, answers.shape[1] - block)
+    # What ordinary steps say.
+    out.rest[:], out.disturbed[:], out.held[:] = False, False, False
+    for k in range(0, t.shape[0], _BLOCK):
+        steps = min(_BLOCK, t.shape[0] - k)
         begun = begun or _begun(states, params)
-        ordinary = _gather(readings, t, gyro, accel, mag, first + block, steps) and begun
-        if ordinary:
-            _load_axes(scratch, states)
-            for i in range(steps):
-                _advance(scratch, readings, params, i)
-                _answer(scratch, states, answers, block + i)
-            _store_axes(scratch, states)
+        if _gather(readings, t, gyro, accel, mag, k, steps) and begun:
+            _load_axes(axes, states)
+            _advance(axes, readings, answers, params, t, k, steps)
+            _answer(answers, out.R_NS, k, steps)
+            _store_axes(axes, readings, states, steps)
         else:
-            _lane_by_lane(states, params, t, gyro, accel, mag, first + block, answers, block, steps)
+            _lane_by_lane(states, params, t, gyro, accel, mag, k, steps, out)
 
 
 @kernel
@@ -60,67 +69,88 @@ def _begun(states: Array, params: Array) -> bool:
 def _gather(readings: Array, t: Array, gyro: Array, accel: Array, mag: Array, k: int, steps: int) -> bool:
     """Put the readings from sample k on beside each other; True where all are ordinary."""
     ordinary = k > 0
+    for i in range(k, k + steps):
+        ordinary = ordinary and t[i] - t[max(i - 1, 0)] > 0.0
     for lane in range(LANES):
+        g, a, m = gyro[lane, k : k + steps], accel[lane, k : k + steps], mag[lane, k : k + steps]
         for i in range(steps):
             place = i * _READING * LANES + lane
-            j = k + i
             for c in range(3):
-                readings[place + c * LANES] = gyro[lane, j, c]
-                readings[place + (3 + c) * LANES] = accel[lane, j, c]
-                readings[place + (6 + c) * LANES] = mag[lane, j, c]
-            dt = t[lane, j] - t[lane, max(j - 1, 0)]
-            readings[place + 9 * LANES] = dt
-            g = gyro[lane, j, 0], gyro[lane, j, 1], gyro[lane, j, 2]
-            ordinary = ordinary and is_rate(g) and dt > 0.0
+                readings[place + c * LANES] = g[i, c]
+                readings[place + (3 + c) * LANES] = a[i, c]
+                readings[place + (6 + c) * LANES] = m[i, c]
+            ordinary = ordinary and is_rate((g[i, 0], g[i, 1], g[i, 2]))
     return ordinary
 
 
 @kernel
-def _advance(s: Array, readings: Array, params: Array, step: int) -> None:
-    """Move the axes of all lanes with the readings of one step."""
+def _advance(s: Array, readings: Array, answers: Array, params: Array, t: Array, k: int, steps: int) -> None:
+    """Move the axes of all lanes through the steps, and put the rotations nearest to them into the answers."""
+    wide_vectors()
     weights, setting = weights_of(params, 0.0), setting_of(params)
-    for j in range(_READING * LANES):
-        s[_AXES * LANES + j] = readings[step * _READING * LANES + j]
+    for i in range(steps):
+        dt = t[k + i] - t[k + i - 1]
+        r = readings[i * _READING * LANES : (i + 1) * _READING * LANES]
+        q = answers[i * _AXES * LANES : (i + 1) * _AXES * LANES]
+        if _move(s, r, q, weights, setting, dt, True) > 0:
+            _move(s, r, q, weights, setting, dt, False)
+        for j in range(_AXES * LANES):
+            s[j] = s[_AXES * LANES + j]
+
+
+@inlined
+def _move(s: Array, r: Array, q: Array, weights: Vector, setting: Vector, dt: float, near: bool) -> int:
+    """Move the axes at the head of `s` to behind it; how many lanes were not as near as `near` takes for granted."""
+    wide_vectors()
+    far = 0
     for j in range(LANES):
         east = s[j], s[LANES + j], s[2 * LANES + j]
         north = s[3 * LANES + j], s[4 * LANES + j], s[5 * LANES + j]
         up = s[6 * LANES + j], s[7 * LANES + j], s[8 * LANES + j]
-        gyro = s[9 * LANES + j], s[10 * LANES + j], s[11 * LANES + j]
-        accel = s[12 * LANES + j], s[13 * LANES + j], s[14 * LANES + j]
-        mag = s[15 * LANES + j], s[16 * LANES + j], s[17 * LANES + j]
-        turn = scaled(-s[18 * LANES + j], gyro)
-        east, north, up = advanced((east, north, up), turn, accel, mag, weights, setting, False)
-        s[j], s[LANES + j], s[2 * LANES + j] = east
-        s[3 * LANES + j], s[4 * LANES + j], s[5 * LANES + j] = north
-        s[6 * LANES + j], s[7 * LANES + j], s[8 * LANES + j] = up
+        gyro = r[j], r[LANES + j], r[2 * LANES + j]
+        accel = r[3 * LANES + j], r[4 * LANES + j], r[5 * LANES + j]
+        mag = r[6 * LANES + j], r[7 * LANES + j], r[8 * LANES + j]
+        askew = dot(east, north)
+        dtheta = asked((east, north, up), askew, scaled(-dt, gyro), accel, mag, weights, setting, near)
+        rows = moved((east, north, up), askew, dtheta, near)
+        s[9 * LANES + j], s[10 * LANES + j], s[11 * LANES + j] = rows[0]
+        s[12 * LANES + j], s[13 * LANES + j], s[14 * LANES + j] = rows[1]
+        s[15 * LANES + j], s[16 * LANES + j], s[17 * LANES + j] = rows[2]
+        now = dot(rows[0], rows[1])
+        far += not (dot(dtheta, dtheta) < _STEP2 and abs(askew) < _ASKEW and abs(now) < _ASKEW)
+        rows = nearest_rotation(rows, now, near)
+        q[j], q[LANES + j], q[2 * LANES + j] = rows[0]
+        q[3 * LANES + j], q[4 * LANES + j], q[5 * LANES + j] = rows[1]
+        q[6 * LANES + j], q[7 * LANES + j], q[8 * LANES + j] = rows[2]
+    return far
 
 
 @kernel
-def _answer(scratch: Array, states: Array, answers: Array, i: int) -> None:
+def _answer(answers: Array, R: Array, k: int, steps: int) -> None:
+    for lane in range(LANES):
+        rows = R[lane, k : k + steps]
+        for i in range(steps):
+            place = i * _AXES * LANES + lane
+            for row in range(3):
+                for c in range(3):
+                    rows[i, row, c] = answers[place + (3 * row + c) * LANES]
+
+
+@kernel
+def _load_axes(axes: Array, states: Array) -> None:
     for lane in range(LANES):
         for c in range(_AXES):
-            answers[lane, i, c] = scratch[c * LANES + lane]
-        for c in range(at.GYRO_BIAS, at.FLAGS):
-            answers[lane, i, c] = 0.0
-        answers[lane, i, at.FLAGS] = states[lane, at.CALM]
-        answers[lane, i, at.HEADING] = states[lane, at.HEADING]
+            axes[c * LANES + lane] = states[lane, at.R_NS + c]
 
 
 @kernel
-def _load_axes(scratch: Array, states: Array) -> None:
-    for lane in range(LANES):
-        for c in range(_AXES):
-            scratch[c * LANES + lane] = states[lane, at.R_NS + c]
-
-
-@kernel
-def _store_axes(scratch: Array, states: Array) -> None:
+def _store_axes(axes: Array, readings: Array, states: Array, steps: int) -> None:
     """Put the axes, and what the latest of these ordinary steps leaves behind, into the states."""
     for lane in range(LANES):
         for c in range(_AXES):
-            states[lane, at.R_NS + c] = scratch[c * LANES + lane]
+            states[lane, at.R_NS + c] = axes[c * LANES + lane]
         for c in range(3):
-            states[lane, at.RATE + c] = scratch[(_AXES + c) * LANES + lane]
+            states[lane, at.RATE + c] = readings[((steps - 1) * _READING + c) * LANES + lane]
         states[lane, at.FLAGS], states[lane, at.GAP] = states[lane, at.CALM], 0.0
 
 
@@ -133,17 +163,14 @@ def _lane_by_lane(
     accel: Array,
     mag: Array,
     k: int,
-    answers: Array,
-    block: int,
     steps: int,
+    out: Columns,
 ) -> None:
     for lane in range(LANES):
-        state = states[lane]
-        for i in range(steps):
-            j = k + i
-            g = gyro[lane, j, 0], gyro[lane, j, 1], gyro[lane, j, 2]
-            a = accel[lane, j, 0], accel[lane, j, 1], accel[lane, j, 2]
-            m = mag[lane, j, 0], mag[lane, j, 1], mag[lane, j, 2]
-            step(state, params, g, a, m, t[lane, j] - t[lane, max(j - 1, 0)])
-            for c in range(at.ANSWER):
-                answers[lane, block + i, c] = state[c]
+        state, mine = states[lane], of_lane(out, lane)
+        for i in range(k, k + steps):
+            g = gyro[lane, i, 0], gyro[lane, i, 1], gyro[lane, i, 2]
+            a = accel[lane, i, 0], accel[lane, i, 1], accel[lane, i, 2]
+            m = mag[lane, i, 0], mag[lane, i, 1], mag[lane, i, 2]
+            step(state, params, g, a, m, t[i] - t[max(i - 1, 0)])
+            tell(state, mine, i)

@@ -5,6 +5,7 @@ Each sample turns R_NS by Exp and adds to the sums of a short window, which corr
 
 import math
 
+from kreisel.estimate.answers import Columns, tell
 from kreisel.estimate.filters.dcm import layout as at
 from kreisel.estimate.filters.dcm.start import bridge, is_rate, start
 from kreisel.estimate.filters.dcm.window import close_part
@@ -92,15 +93,12 @@ def update(state: Array, params: Array, sample: Array, dt: float) -> None:
 
 
 @kernel
-def batch(
-    state: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, first: int, answers: Array
-) -> None:
-    """The steps from sample `first` on; answers (m, at.ANSWER) are the head of the state after each."""
-    for j in range(answers.shape[0]):
-        k = first + j
-        g = gyro[k, 0], gyro[k, 1], gyro[k, 2]
-        a = accel[k, 0], accel[k, 1], accel[k, 2]
-        m = mag[k, 0], mag[k, 1], mag[k, 2]
-        _step(state, params, g, a, m, t[k] - t[max(k - 1, 0)])
-        for i in range(at.ANSWER):
-            answers[j, i] = state[i]
+def batch(state: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, out: Columns) -> None:
+    """The steps through all samples, and what the state says after each."""
+    for i in range(t.shape[0]):
+        g = gyro[i, 0], gyro[i, 1], gyro[i, 2]
+        a = accel[i, 0], accel[i, 1], accel[i, 2]
+        m = mag[i, 0], mag[i, 1], mag[i, 2]
+        _step(state, params, g, a, m, t[i] - t[max(i - 1, 0)])
+        tell(state, out, i)
+        out.gyro_bias[i, 0], out.gyro_bias[i, 1], out.gyro_bias[i, 2] = load(state, at.GYRO_BIAS)

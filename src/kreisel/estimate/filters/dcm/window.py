@@ -65,7 +65,7 @@ def close_part(state: Array, params: Array) -> None:
 def _close_window(state: Array, params: Array) -> None:
     if state[at.LEVELLED] == 1.0:
         state[at.CALM] = _correct(state, params) if params[at.DOF] > 0.0 else 0.0
-        _turn_world(state, (-state[at.CORRECTION], -state[at.CORRECTION + 1], -state[at.CORRECTION + 2]))
+    _turn_world(state, (-state[at.CORRECTION], -state[at.CORRECTION + 1], -state[at.CORRECTION + 2]))
     for i in range(at.CORRECTION, at.CORRECTION + at.ERRORS):
         state[i] = 0.0
     for i in range(at.SUMS, at.SUMS_END):

@@ -17,6 +17,7 @@ from kreisel.maths.channels import cell_edges, channel
 from kreisel.maths.following.tangent import Attitude, Directions, attitude_along
 from kreisel.maths.polynomials import Polynomials
 from kreisel.maths.running_integral import RunningIntegral
+from kreisel.simulate.notes import end_note
 from kreisel.simulate.trajectories.profile.segments import Ramps, ramps_of
 
 
@@ -30,8 +31,8 @@ class MotionProfile:
     banked: whether the body rolls until it feels no sideways force, as aeroplanes and motorcycles do.
     ramp: s, in which a turn, a climb and an acceleration come on, and go; half a segment where that is shorter.
 
-    Speed, heading and height are polynomials of time of degree 7, with all accelerations continuous and jerks too;
-    the way east and north is their integral to round-off.
+    Speed, heading and height are polynomials of time, so smooth that jerk and angular acceleration are continuous; the
+    way east and north is their integral to round-off.
     Raises ValueError with the number of the segment that cannot be.
     """
 
@@ -63,7 +64,9 @@ class MotionProfile:
         put(self, "position", finite("position", shaped("position", self.position, (3,))))
         ramps = ramps_of(self.segments, self.speed, self.ramp, self.orientation == "level")
         speeds = channel(self.speed, ramps.speeds)
-        headings, heights = channel(heading, ramps.headings), channel(self.position[2], ramps.heights)
+        headings = channel(heading, ramps.headings)
+        # A bank in a turn follows the vertical acceleration, and its angular acceleration two derivatives more.
+        heights = channel(self.position[2], ramps.heights, smooth=4)
         put(self, "_ramps", ramps)
         put(self, "_channels", (speeds, headings, heights))
         edges = cell_edges([headings], [speeds, heights])
@@ -92,7 +95,7 @@ class MotionProfile:
         if self.banked:
             attitude = with_bank(attitude, np.stack([a + np.array([0.0, 0.0, STANDARD_GRAVITY]), jerk, snap]))
         p, v, a, R, omega, alpha = map(read_only, (p, v, a, *attitude))
-        return Motion(times, p, v, a, R, omega, alpha, name=self.name, notes=(Note("method", self._told()),))
+        return Motion(times, p, v, a, R, omega, alpha, name=self.name, notes=(self._end(),))
 
     def _path(self, t: Array) -> Array:
         """Position and four derivatives (5, n, 3) in N."""
@@ -125,13 +128,11 @@ class MotionProfile:
         climbs = np.any(climb[:, 3:] != 0.0, axis=1)
         return attitude_along(Directions(heading, np.where(climbs[:, None], climb, level)))
 
-    def _told(self) -> str:
-        """How it ends, in one line."""
+    def _end(self) -> Note:
         last = self.ends[-1:]
-        (x, y, z), heading = self._path(last)[0, 0], float(self._channels[1](last, 0)[0, 0, 0])
-        return (
-            f"{len(self.segments)} segments in {last[0]:.6g} s; at their end {self._ramps.speed:g} m/s at "
-            f"({x:.6g}, {y:.6g}, {z:.6g}) m, heading {np.rad2deg(heading):.6g} deg"
+        heading = float(self._channels[1](last, 0)[0, 0, 0])
+        return end_note(
+            len(self.segments), "segment", last[0], self._path(last)[0, 0], heading, self._ramps.speed
         )
 
 

@@ -22,14 +22,14 @@ from kreisel.simulate.trajectories.waypoints.route import Route
 # Largest first and second derivative of a ramp from 0 to 1 in one second, for least jerk and least snap.
 _RAMP = {"jerk": (1.5, 6.0), "snap": (1.875, 10.0 / np.sqrt(3.0))}
 
-# Share of a leg's time that a ramp takes at least: a small change of speed in an instant would be a jolt.
-_SOFT = 0.125
+# Share of a leg's time that a small change of speed takes at least; at once it would be a jolt.
+_SOFT = 1.0 / 3.0
 
-# Between 65 looks a maximum may be missed by some 1e-4 of it.
+# Between 129 looks a maximum may be missed by 3e-4 of it, where jerk runs through a wave.
 _DESIGN = 1.0 - 1e-3
 
 _ROUNDS = 60
-_BISECTIONS = 60
+_BISECTIONS = 40
 
 
 def planned_by_limits(route: Route, bounds: Limits, minimum: str, corners: bool) -> Plan:
@@ -116,7 +116,8 @@ class _Legs:
     def ease(self, stretches: list[_Stretch], longer: Array) -> None:
         """Make gentler what should take longer by factors `longer` (3, k), for speed, acceleration and jerk."""
         for k in np.flatnonzero(longer.max(axis=0) > 1.0).tolist():
-            leg, factor = stretches[k].leg, float(longer[:, k].max())
+            # A little more than needed: what only ever comes closer never arrives.
+            leg, factor = stretches[k].leg, 1.003 * float(longer[:, k].max())
             if stretches[k].before != stretches[k].after:
                 self.gentle[leg] /= min(factor, 2.0) ** 2
                 self.cap[leg] *= factor**-0.25
@@ -169,7 +170,8 @@ class _Legs:
             return 0.0
         speed = abs(b - a) * self.stretch[k] / self.gentle[k]
         slope, bend = self.ramp
-        soft = _SOFT * (self.nodes[k + 1] - self.nodes[k]) / max(a, b)
+        # A start from rest is no small change.
+        soft = _SOFT * (self.nodes[k + 1] - self.nodes[k]) * min(a, b) / max(a, b) ** 2
         return float(
             max(slope * speed / self.bounds.acceleration, np.sqrt(bend * speed / self.bounds.jerk), soft)
         )

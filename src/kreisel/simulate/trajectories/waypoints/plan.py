@@ -16,7 +16,7 @@ from kreisel.simulate.trajectories.waypoints.route import Route
 DERIVATIVE = {"jerk": 3, "snap": 4}
 """Whose square is least along the curve and in the clock, as a derivative of position."""
 
-LOOKS = 65
+LOOKS = 129
 """Places in a piece at which speed and acceleration are looked at."""
 
 INSIDE = np.append(np.linspace(0.0, 1.0, LOOKS)[:-1], 1.0 - 1e-12)
@@ -80,7 +80,10 @@ def curve_through(route: Route, minimum: str, corners: bool) -> Polynomials:
     nodes = np.concatenate([[0.0], np.cumsum(chords)])
     if not corners or not route.rests.any():
         return smoothest_through(nodes, route.points, m, route.closed)
-    ends = np.unique(np.concatenate([[0, len(nodes) - 1], np.flatnonzero(route.rests)]))
-    return joined(
-        [smoothest_through(nodes[a : b + 1], route.points[a : b + 1], m) for a, b in pairwise(ends)]
-    )
+    # A closed path begins at a rest: in between it has no ends.
+    shift = int(np.argmax(route.rests)) if route.closed else 0
+    rows = (np.arange(len(nodes)) + shift) % len(chords) if route.closed else np.arange(len(nodes))
+    along = np.concatenate([[0.0], np.cumsum(np.roll(chords, -shift))])
+    ends = np.unique(np.concatenate([[0, len(nodes) - 1], np.flatnonzero(route.rests[rows])]))
+    parts = [smoothest_through(along[a : b + 1], route.points[rows[a : b + 1]], m) for a, b in pairwise(ends)]
+    return Polynomials(nodes, np.roll(joined(parts).coefficients, shift, axis=0))
