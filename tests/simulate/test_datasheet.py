@@ -102,7 +102,7 @@ def test_rms_noise_stated_beside_a_density_tells_its_reading():
         ({"accel_noise_ug_rthz": -1.0}, r"accel_noise_ug_rthz must be 0 or more, ug/sqrt\(Hz\)"),
         ({"gyro_range_deg_per_s": 0.0}, "gyro_range_deg_per_s must be"),
         ({"gyro_bandwidth_hz": (1.0, 2.0, 3.0)}, "gyro_bandwidth_hz must be one number"),
-        ({"gyro_misalignment_deg": 30.0}, "sigma must be from 0 to 0.1, rad"),
+        ({"gyro_misalignment_deg": 30.0}, "gyro_misalignment_deg must be from 0 to 5.72958, deg"),
     ],
 )
 def test_bad_values_are_refused_by_name(values, message):

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from kreisel.data.checks import Array, increasing, same_length, shaped
 
+SOURCE = "kreisel.read gives one; of what Imu.record made take .measured."
+"""Where a recording comes from, for errors about what is none."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ImuRecording:

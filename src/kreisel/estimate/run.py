@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from kreisel.data.attitude import AttitudeHistory
-from kreisel.data.recording import ImuRecording
+from kreisel.data.checks import instance
+from kreisel.data.recording import SOURCE, ImuRecording
 from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters import Array, AttitudeFilter
 from kreisel.maths.kernels import argument
@@ -17,6 +18,7 @@ def run(filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None = No
     Its a_N is the specific force of each sample in N less gravity, not smoothed; NaN where the sample is missing.
     Raises ValueError where the filter needs a magnetometer that the recording does not have.
     """
+    instance("recording", recording, ImuRecording, SOURCE)
     columns = Columns.of((len(recording),), filter.learns_bias)
     _fill(filter, recording, R_NS, columns)
     return columns.history(recording)

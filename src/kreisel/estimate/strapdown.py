@@ -9,7 +9,7 @@ from kreisel.data.checks import SAME_INSTANT, Array, finite, rotations, shaped
 from kreisel.data.environment import Environment
 from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Note
-from kreisel.data.recording import ImuRecording
+from kreisel.data.recording import SOURCE, ImuRecording
 from kreisel.maths import magnus
 from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.kinematics import quaternion_motion
@@ -50,7 +50,9 @@ def integrate(
         return _from_increments(recording, initial, world)
     if isinstance(recording, ImuRecording):
         return _from_rates(recording, initial, world)
-    raise TypeError(f"recording must be ImuRecording or ImuIncrements; got {type(recording).__name__}.")
+    raise TypeError(
+        f"recording must be ImuRecording or ImuIncrements; got {type(recording).__name__}. {SOURCE}"
+    )
 
 
 def _from_rates(recording: ImuRecording, initial: Initial, world: Environment) -> Motion:

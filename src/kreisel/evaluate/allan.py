@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.data.checks import Array, as_array, choice, finite, read_only, scalar
+from kreisel.data.checks import Array, as_array, choice, finite, instance, read_only, scalar
 from kreisel.data.noise import NoiseModel
-from kreisel.data.recording import ImuRecording
+from kreisel.data.recording import SOURCE, ImuRecording
 from kreisel.maths.allan import Sizes, overlapping_variances, terms, variance_forms
 from kreisel.maths.noise_likelihood import likeliest, lower_end, powers, upper_end, without
 
@@ -85,6 +85,7 @@ def allan(recording: ImuRecording, sensor: str = "gyro") -> AllanFit:
     Raises ValueError for missing samples and gaps, naming where, an axis that never changes, and records of
     fewer than 32 samples. A sensor that was moved shows its motion as noise: nothing here can tell.
     """
+    instance("recording", recording, ImuRecording, SOURCE)
     choice("sensor", sensor, SENSORS)
     samples: Array = getattr(recording, sensor)
     rate_hz = _even_rate(recording.t)

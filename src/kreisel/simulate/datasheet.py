@@ -13,6 +13,7 @@ import numpy as np
 from kreisel.data.checks import LARGEST, Array, choice, per_axis
 from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.noise import ALLAN_FLOOR, NoiseModel
+from kreisel.simulate.effects.misalignment import LARGEST_ANGLE
 from kreisel.simulate.triad import Triad
 
 _DEG = float(np.pi / 180.0)
@@ -197,6 +198,8 @@ def _bounds(parameter: Parameter) -> tuple[float, float]:
     """What a value may be: noise and errors of zero are perfect sensors, ranges and scales of zero are none."""
     if parameter.form == "bits":
         return 1.0, 64.0
+    if parameter.settles == "misalignment":
+        return 0.0, LARGEST_ANGLE / parameter.factor
     of_size = parameter.form == "per" or parameter.settles in ("limit", "noise_bandwidth", "bandwidth")
     return (1e-9 if of_size else 0.0), LARGEST
 

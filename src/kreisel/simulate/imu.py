@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kreisel.data.checks import Array, choice, instance, read_only
+from kreisel.data.checks import Array, choice, instance, read_only, whole_number
 from kreisel.data.environment import Environment
 from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
@@ -54,10 +54,13 @@ class Imu:
     def __post_init__(self) -> None:
         instance("mount", self.mount, Mount, "Write Mount(p_BS=[x, y, z]).")
         instance("environment", self.environment, Environment, "Write Environment(...).")
+        instance("clock", self.clock, Clock, "Write Clock(jitter=1e-4), say.")
+        if self.temperature is not None:
+            instance(
+                "temperature", self.temperature, TemperatureHistory, "Write TemperatureHistory(t, degC)."
+            )
         for name in ("gyro_effects", "accel_effects", "mag_effects"):
-            effects = tuple(getattr(self, name))
-            _check_names(name, [effect.name for effect in effects])
-            object.__setattr__(self, name, effects)
+            object.__setattr__(self, name, _effects(name, getattr(self, name)))
         if self.mag_effects and self.environment.field_N_uT is None:
             raise ValueError(
                 "mag_effects need a magnetic field to act on; give environment=Environment(field_N_uT=...)."
@@ -222,7 +225,7 @@ class Imu:
         and effects that do not suit their sensor.
         """
         self._check(motion)
-        seed = seed_from(rng)
+        seed, run = seed_from(rng), whole_number("run", run)
         ideal = self.ideal(motion)
         sensed = {
             sensor: self._sense(sensor, motion, ideal, seed, run)
@@ -331,6 +334,18 @@ class Imu:
 
 def _blocks(n: int) -> Iterator[slice]:
     return (slice(first, min(first + BLOCK, n)) for first in range(0, n, BLOCK))
+
+
+def _effects(field_name: str, given: Any) -> tuple[Effect, ...]:
+    """The effects in `given`; TypeError for anything else in it, such as a class that nobody made an effect of."""
+    each = tuple(given) if isinstance(given, Iterable) else (given,)
+    strange = [x for x in each if isinstance(x, type) or not callable(getattr(x, "apply", None))]
+    if strange or not isinstance(given, Iterable):
+        x = strange[0] if strange else given
+        got = f"the class {x.__name__}" if isinstance(x, type) else type(x).__name__
+        raise TypeError(f"{field_name} must be a list of effects, such as [WhiteNoise(1e-4)]; got {got}.")
+    _check_names(field_name, [effect.name for effect in each])
+    return each
 
 
 def _check_names(field_name: str, names: list[str]) -> None:
