@@ -53,6 +53,26 @@ def test_a_scenario_becomes_a_folder(circle, tmp_path, capsys):
     assert json.loads((out / "report.json").read_text())["schema"] == "kreisel.run/1"
 
 
+def test_the_gyro_bias_is_drawn_over_the_true_one(tmp_path, monkeypatch, capsys):
+    from kreisel import show
+
+    path, drawn = tmp_path / "noisy.toml", []
+    filter = '[[filter]]\nkind = "dcm"\nalign = "heading"\n'
+    sensors = '[[imu]]\nname = "real"\nsensor = "bmi088"\n[[imu]]\nname = "perfect"\n'
+    path.write_text(CIRCLE.partition("[[imu]]")[0] + sensors + filter)
+    plot = show.plot_bias
+    monkeypatch.setattr(show, "plot_bias", lambda e, truth: drawn.append((e, truth)) or plot(e, truth))
+    assert main(["run", str(path), "-o", str(tmp_path / "out")]) == 0
+    for name in ("real", "perfect"):
+        assert (tmp_path / "out" / f"attitude-{name}-dcm-bias.png").exists()
+    (real, bias), (_, none) = drawn
+    known = np.load(tmp_path / "out" / "real-errors.npz")
+    assert bias.shape == real.gyro_bias.shape and np.abs(bias).max() > 0.0
+    np.testing.assert_array_equal(bias, known["gyro_bias"])
+    assert not none.any()
+    assert "real, dcm, removed: heading offset of" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_examples_run(path, tmp_path, capsys):
     assert main(["run", str(path), "-o", str(tmp_path), "--no-pictures"]) == 0

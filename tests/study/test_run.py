@@ -62,6 +62,16 @@ def test_a_scenario_and_the_one_read_back_give_the_same_bits(name):
     assert json.dumps(first.report()) == json.dumps(second.report())
 
 
+def test_a_heading_that_nothing_tells_can_be_left_out_of_the_errors():
+    turned = TrajectoryRecipe("rest", {"phi": (0.1, 0.2, 1.0)})
+    filters = (FilterRecipe("dcm", name="as it is"), FilterRecipe("dcm", name="aligned", align="heading"))
+    as_it_is, aligned = (e.summary for e in run(Scenario(turned, 5.0, 100.0, filters=filters)).estimates)
+    assert as_it_is.heading_rmse_deg > 10.0
+    # At rest the answer stays where it began: nothing but the offset is wrong.
+    assert aligned.heading_rmse_deg < 1e-6
+    assert abs(aligned.heading_offset_deg) == pytest.approx(as_it_is.heading_rmse_deg)
+
+
 def test_a_trajectory_of_functions_runs_too():
     moving = FunctionTrajectory((np.cos, np.sin, 0.0), span=(0.0, 3.0))
     result = run(Scenario(moving, rate_hz=10.0))

@@ -40,6 +40,17 @@ def test_a_short_file_has_defaults_for_the_rest():
     assert scenario.environment == EnvironmentRecipe(9.80665, None, None)
 
 
+def test_a_filter_says_which_offsets_do_not_count():
+    text = (
+        SOUND + CIRCLE + '[[filter]]\nkind = "dcm"\nmode = "6"\nalign = "heading"\nclock_offset = "estimate"'
+    )
+    scenario = read(text)
+    assert scenario.filters == (FilterRecipe("dcm", {"mode": "6"}, "", "heading", "estimate"),)
+    assert read(scenario.to_toml()) == scenario
+    with pytest.raises(ValueError, match="clock_offset must be a finite number"):
+        FilterRecipe("dcm", clock_offset=float("nan"))
+
+
 def test_a_full_file_is_read_as_it_stands():
     scenario = read(
         'name = "all"\nseed = 7\nstart = -1\n' + SOUND + CIRCLE + "radius = 2\n"
@@ -200,6 +211,14 @@ MISTAKES = [
     ),
     (SOUND + CIRCLE + '[[filter]]\nkind = "nope"', "s.toml: filter[0].kind 'nope' is unknown"),
     (SOUND + CIRCLE + "[[filter]]\nmode = 6", "s.toml: filter[0].kind is missing."),
+    (
+        SOUND + CIRCLE + '[[filter]]\nkind = "dcm"\nalign = "north"',
+        "s.toml: filter[0].align must be 'heading'",
+    ),
+    (
+        SOUND + CIRCLE + '[[filter]]\nkind = "dcm"\nclock_offset = "x"',
+        "s.toml: filter[0].clock_offset must be",
+    ),
     ("duration = -1\nrate_hz = 1\n" + CIRCLE, "s.toml: duration must be above 0; got -1.0."),
     ("duration = 1\nrate_hz = 0\n" + CIRCLE, "s.toml: rate_hz must be above 0; got 0.0."),
     ("duration = 1e9\nrate_hz = 1000\n" + CIRCLE, "s.toml: 1e+09 s at 1000 Hz are 1e+12 samples"),

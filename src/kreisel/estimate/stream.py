@@ -6,8 +6,6 @@ import dataclasses
 import difflib
 import json
 import os
-import zipfile
-import zlib
 from typing import Any, NamedTuple, get_args, get_type_hints
 
 import numpy as np
@@ -15,6 +13,7 @@ import numpy.typing as npt
 
 from kreisel import discovery
 from kreisel.atomic import replacing
+from kreisel.data.archive import arrays_in
 from kreisel.data.checks import read_only
 from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.estimate import filters as at
@@ -191,18 +190,9 @@ def _archive(path: str | os.PathLike[str]) -> dict[str, npt.NDArray[Any]]:
     """The arrays of a saved stream; ValueError where the file is something else or cut off."""
     refusal = f"{os.fspath(path)} is not a stream that Stream.save has written"
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        EOFError,
-        KeyError,
-        ValueError,
-        AttributeError,
-        NotImplementedError,
-    ):
-        raise ValueError(f"{refusal}: it is no whole NPZ archive of plain arrays.") from None
+        arrays = arrays_in(path)
+    except ValueError as error:
+        raise ValueError(f"{refusal}: {error}") from None
     line = str(arrays.get(_SCHEMA, "nothing"))
     noun, _, version = line.partition(":")[0].partition(" ")
     if noun != "Stream":

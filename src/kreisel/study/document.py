@@ -17,6 +17,7 @@ _MAX_BYTES = 1_000_000
 _MAX_DEPTH = 10
 
 _TABLES = ("trajectory", "imu", "environment", "filter")
+_OF_FILTERS = ("name", "align", "clock_offset")  # keys of a filter that are no tuning
 _PLURAL = {"imu": "imus", "filter": "filters"}
 
 
@@ -73,7 +74,7 @@ def text(scenario: Scenario) -> str:
     table["trajectory"] = {"kind": scenario.trajectory.kind, **_filled(scenario.trajectory.parameters)}
     table["environment"] = _given(scenario.environment)
     table["imu"] = [_given(imu) for imu in scenario.imus]
-    table["filter"] = [{"kind": f.kind, "name": f.name, **_filled(f.tuning)} for f in scenario.filters]
+    table["filter"] = [{**_given(f, leave_out=("tuning",)), **_filled(f.tuning)} for f in scenario.filters]
     return tomli_w.dumps(_lists(table))
 
 
@@ -114,8 +115,8 @@ def _trajectory(table: Any, where: Place) -> TrajectoryRecipe:
 
 def _filter(table: Any, where: Place) -> FilterRecipe:
     kind, tuning = _kind(table, where)
-    name = tuning.pop("name", "")
-    return call(FilterRecipe, {"kind": kind, "name": name}, where, ready={"tuning": tuning})
+    own = {name: tuning.pop(name) for name in _OF_FILTERS if name in tuning}
+    return call(FilterRecipe, {"kind": kind, **own}, where, ready={"tuning": tuning})
 
 
 def _kind(table: Any, where: Place) -> tuple[str, dict[str, Any]]:

@@ -12,7 +12,7 @@ import numpy as np
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.study.building import build, declination
-from kreisel.study.scenario import Scenario, TrajectoryRecipe
+from kreisel.study.scenario import FilterRecipe, Scenario, TrajectoryRecipe
 from kreisel.study.sensor import record_all
 
 if TYPE_CHECKING:
@@ -77,21 +77,22 @@ def run(scenario: Scenario) -> Result:
     motion = parts.trajectory.sample(parts.t)
     recordings, recorded = record_all(parts.imus, motion, scenario.seed)
     estimates = [
-        _estimate(name, filter, recording, motion.at(imu.mount))
+        _estimate(recipe, filter, recording, motion.at(imu.mount))
         for imu, recording in zip(parts.imus, recordings, strict=True)
-        for name, filter in parts.filters
+        for recipe, (_, filter) in zip(scenario.filters, parts.filters, strict=True)
     ]
     mounts = tuple(imu.mount for imu in parts.imus)
     return Result(scenario, motion, mounts, recordings, tuple(estimates), recorded)
 
 
-def _estimate(name: str, filter: Any, recording: ImuRecording, truth: Motion) -> Estimate:
+def _estimate(recipe: FilterRecipe, filter: Any, recording: ImuRecording, truth: Motion) -> Estimate:
     # Loaded here: numba's kernels, which a scenario without filters need not wait for.
     from kreisel.estimate.run import run as estimated
     from kreisel.evaluate.attitude_errors import attitude_errors
 
     attitude = estimated(filter, recording)
-    return Estimate(recording.name, name, attitude, attitude_errors(truth, attitude))
+    errors = attitude_errors(truth, attitude, align=recipe.align, clock_offset=recipe.clock_offset)
+    return Estimate(recording.name, recipe.name, attitude, errors)
 
 
 def _described(scenario: Scenario) -> dict[str, Any]:

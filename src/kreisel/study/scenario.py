@@ -9,12 +9,14 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
-from kreisel.data.checks import file_name, finite_number
+from kreisel.data.checks import choice, file_name, finite_number
 from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.trajectory import Trajectory
 from kreisel.study.values import Vector, plain, unlike, vector
+
+Align = Literal["heading", "frame", "frame+sensor"]
 
 
 @dataclass(frozen=True)
@@ -30,15 +32,22 @@ class TrajectoryRecipe:
 
 @dataclass(frozen=True)
 class FilterRecipe:
-    """A filter by the name of its plug-in, and its tuning."""
+    """A filter by the name of its plug-in, its tuning, and which constant offsets its errors are not to count."""
 
     kind: str
     tuning: Mapping[str, Any] = field(default_factory=dict)  # plain values
     name: str = ""  # in reports and file names; the kind where it is left out
+    align: Align | None = None  # what is fitted and removed before errors count, as `attitude_errors` has it
+    clock_offset: float | Literal["estimate"] = 0.0  # s, by which the estimate's stamps are ahead
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "tuning", plain("tuning", dict(self.tuning)))
-        object.__setattr__(self, "name", file_name("name", self.name or self.kind))
+        put = object.__setattr__
+        put(self, "tuning", plain("tuning", dict(self.tuning)))
+        put(self, "name", file_name("name", self.name or self.kind))
+        if self.align is not None:
+            choice("align", self.align, get_args(Align))
+        if self.clock_offset != "estimate":
+            put(self, "clock_offset", finite_number("clock_offset", self.clock_offset))
 
 
 @dataclass(frozen=True)

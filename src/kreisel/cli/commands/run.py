@@ -17,6 +17,7 @@ from kreisel.cli.outputs import (
     describe_notes,
     output_folder,
     picture,
+    removed,
     simulation_outputs,
     write_json,
     write_outputs,
@@ -109,7 +110,8 @@ def errors_table(estimates: Sequence[Estimate]) -> str:
     table = [
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
     ]
-    return "attitude errors in deg, root mean square and largest total:\n  " + "\n  ".join(table)
+    taken = [f"{e.imu}, {e.filter}, {line}" for e in estimates for line in removed(e.summary)]
+    return "attitude errors in deg, root mean square and largest total:\n  " + "\n  ".join([*table, *taken])
 
 
 def _outputs(scenario: Scenario, pictures: bool) -> list[Output[Result]]:
@@ -157,7 +159,18 @@ def _estimate_pictures(k: int, imu: str, stem: str) -> list[Output[Result]]:
     def errors(made: Result) -> Any:
         return show.plot_attitude_errors(made.estimates[k].errors)
 
+    def bias(made: Result) -> Any:
+        return show.plot_bias(made.estimates[k].attitude, _true_bias(made, imu))
+
     return [
         picture(f"{stem}.png", "the attitude, over the truth", over_truth),
         picture(f"{stem}-errors.png", "heading and inclination error over time", errors),
+        picture(f"{stem}-bias.png", "the estimated gyro bias, over the true one", bias),
     ]
+
+
+def _true_bias(made: Result, imu: str) -> Any:
+    """Gyro bias (n, 3) at the recording's stamps; zero for an IMU without errors."""
+    known = next((r.gyro_bias for r in made.recorded if r.measured.name == imu), None)
+    recording = next(r for r in made.recordings if r.name == imu)
+    return np.zeros_like(recording.gyro) if known is None else known
