@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 Mask = npt.NDArray[np.bool_]
 
-_MADE = ("t", "R_NS", "gyro_bias", "sigma", "rest", "disturbed", "held", "t0_ns", "name", "_accel")
-
 
 class _MadeLater:
     """Keeps what the acceleration of a history is made of."""
@@ -77,10 +75,15 @@ class AttitudeHistory(_MadeLater):
         a recording. accel (n, 3) m/s^2 is the recording's, from which a_N is made when it is first asked for.
         """
         history, put = object.__new__(cls), object.__setattr__
-        rest, disturbed, held = flags
-        values = t, R_NS, gyro_bias, None, rest, disturbed, held, t0_ns, name, accel
-        for field, value in zip(_MADE, values, strict=True):
-            put(history, field, value)
+        put(history, "t", t)
+        put(history, "R_NS", R_NS)
+        put(history, "gyro_bias", gyro_bias)
+        put(history, "sigma", None)
+        for mask, values in zip(("rest", "disturbed", "held"), flags, strict=True):
+            put(history, mask, values)
+        put(history, "t0_ns", t0_ns)
+        put(history, "name", name)
+        put(history, "_accel", accel)
         return history
 
     # Python asks here for what is nowhere else: the place of a_N, which `trusted` leaves empty.

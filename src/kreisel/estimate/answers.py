@@ -14,6 +14,8 @@ from kreisel.estimate.filters import Array
 from kreisel.maths.kernels import inlined, kernel
 from kreisel.maths.vectors import Rows, dot, load, nearest_rotation
 
+_ZERO = bytes(3 * 8)
+
 
 class Columns(NamedTuple):
     """What a filter says after each of n samples; those of several runs have the runs in front."""
@@ -64,10 +66,8 @@ class Columns(NamedTuple):
 
 
 def _zeros(shape: tuple[int, ...]) -> Array:
-    """Read-only zeros (..., 3) that all are the same three."""
-    zeros = np.ndarray((*shape, 3), np.float64, np.zeros(3), strides=(0,) * len(shape) + (8,))
-    zeros.flags.writeable = False
-    return zeros
+    """Read-only zeros (*shape, 3) that all are the same three."""
+    return np.ndarray((*shape, 3), np.float64, _ZERO, strides=(0,) * len(shape) + (8,))
 
 
 @inlined

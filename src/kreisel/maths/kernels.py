@@ -94,6 +94,8 @@ def argument(x: npt.ArrayLike) -> Array:
 
     numba compiles writable and read-only arrays apart; with one kind there is one compilation.
     """
+    if type(x) is np.ndarray and x.dtype == np.float64 and x.flags.c_contiguous and not x.flags.writeable:
+        return x
     view = np.ascontiguousarray(x, dtype=np.float64).view()
     view.flags.writeable = False
     return view

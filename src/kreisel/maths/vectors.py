@@ -92,9 +92,12 @@ def nearest_rotation(rows: Rows, c: float, near: bool = False) -> Rows:
 
 
 @inlined
-def exp_factors(a2: float) -> tuple[float, float]:
-    """sin(a) / a and (1 - cos(a)) / a^2 from a^2, with which Exp(v) = 1 + s [v]x + c [v]x^2 for abs(v) = a."""
-    if a2 < 0.01:
+def exp_factors(a2: float, near: bool = False) -> tuple[float, float]:
+    """sin(a) / a and (1 - cos(a)) / a^2 from a^2, with which Exp(v) = 1 + s [v]x + c [v]x^2 for abs(v) = a.
+
+    near : the caller knows that a^2 is below 0.01.
+    """
+    if near or a2 < 0.01:
         # The next terms, a^10 / 11! and a^10 / 12!, are below 3e-18.
         s = 1.0 + a2 * (-1.0 / 6.0 + a2 * (1.0 / 120.0 + a2 * (-1.0 / 5040.0 + a2 * (1.0 / 362880.0))))
         c = 0.5 + a2 * (-1.0 / 24.0 + a2 * (1.0 / 720.0 + a2 * (-1.0 / 40320.0 + a2 * (1.0 / 3628800.0))))

@@ -19,9 +19,10 @@ import numpy as np
 
 from kreisel.data.checks import choice, rotations, shaped
 from kreisel.estimate.answers import Columns
-from kreisel.estimate.filters.dcm import lanes, published, step
 from kreisel.estimate.filters.dcm import layout as at
+from kreisel.estimate.filters.dcm import published, published_lanes, step, step_lanes
 from kreisel.estimate.filters.dcm.covariance import GRAVITY
+from kreisel.estimate.filters.dcm.lanes import LANES
 from kreisel.maths.vectors import Array
 
 Mode = Literal["auto", "9", "6", "gyro"]
@@ -130,7 +131,7 @@ class DcmFilter:
     def start(self, R_NS: Array | None = None) -> Array:
         """A fresh state, whose attitude is R_NS (3, 3) or waits for the first samples."""
         state = np.zeros(at.PUBLISHED_STATE if self.published else at.STATE)
-        state[at.R_NS : at.R_NS + 9] = np.eye(3).ravel()
+        state[at.R_NS] = state[at.R_NS + 4] = state[at.R_NS + 8] = 1.0
         state[at.CALM] = state[at.FLAGS] = at.HELD
         if R_NS is not None:
             left, _, right = np.linalg.svd(rotations("R_NS", shaped("R_NS", R_NS, (3, 3))))
@@ -217,8 +218,8 @@ class DcmFilter:
 
     @property
     def lanes(self) -> int:
-        """How many recordings `batch_of_lanes` takes abreast: the published step's, without two of its cures."""
-        return lanes.LANES if self.published and not (self.published.exact or self.published.rate_hz) else 1
+        """How many recordings `batch_of_lanes` takes abreast: one by one with two of the published step's cures."""
+        return 1 if self.published and (self.published.exact or self.published.rate_hz) else LANES
 
     def batch_of_lanes(
         self,
@@ -231,7 +232,9 @@ class DcmFilter:
         out: Columns,
     ) -> None:
         """`batch` for so many states (lanes, STATE) with the same bits; all but t (n,) has the lanes in front."""
-        lanes.batch_of_lanes(states, parameters, t, gyro, accel, mag, out)
+        (published_lanes if self.published else step_lanes).batch_of_lanes(
+            states, parameters, t, gyro, accel, mag, out
+        )
 
 
 FILTER = DcmFilter
