@@ -96,7 +96,8 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--check",
         action="store_true",
-        help="integrate the IMU data back from the first pose and print how far that ends up from the truth",
+        help="integrate the ideal IMU data, and those of a sensor with errors, back from the first pose and print how "
+        "far each ends up from the truth",
     )
     parser.epilog = _EXAMPLES
 
@@ -139,7 +140,13 @@ def run(args: Namespace) -> int:
     print(aligned(lines))
     if args.check:
         print("integrated back from the first pose, the largest errors are:")
-        print(aligned([line for imu in imus for line in describe_round_trip(imu, motion)]))
+        erred = {
+            imu.mount.name: recording
+            for imu, recording in zip(imus, made.recordings, strict=True)
+            if errs(imu)
+        }
+        lines = [describe_round_trip(imu, motion, erred.get(imu.mount.name)) for imu in imus]
+        print(aligned([line for each in lines for line in each]))
     return 0
 
 
