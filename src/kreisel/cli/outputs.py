@@ -245,7 +245,9 @@ def describe_round_trip(imu: Imu, motion: Motion, measured: ImuRecording | None 
     for kind, recording in readings.items():
         errors = round_trip(recording, truth, imu.environment)
         p, v, turn = (float(x.max()) for x in (errors.position, errors.velocity, errors.attitude))
-        lines.append(f"{imu.mount.name} {kind}  {p:.2g} m, {v:.2g} m/s, {np.rad2deg(turn):.2g} deg")
+        # Two digits that count, but 100 rather than 1e+02.
+        p, v, turn = (float(f"{x:.2g}") for x in (p, v, np.rad2deg(turn)))
+        lines.append(f"{imu.mount.name} {kind}  {p:.4g} m, {v:.4g} m/s, {turn:.4g} deg")
     return lines
 
 

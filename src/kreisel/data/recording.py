@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 from kreisel.data.checks import Array, increasing, same_length, shaped
 
@@ -44,5 +45,5 @@ class ImuRecording:
     def rows(self, rows: slice) -> ImuRecording:
         """The same recording at some of its samples only."""
         columns = ("t", "gyro", "accel", "mag_uT", "gyro_sigma", "accel_sigma")
-        whole = {name: getattr(self, name) for name in columns}
-        return replace(self, **{name: x if x is None else x[rows] for name, x in whole.items()})
+        whole: dict[str, Any] = {name: getattr(self, name) for name in columns}
+        return replace(self, **{name: x[rows] for name, x in whole.items() if x is not None})

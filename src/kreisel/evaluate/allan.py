@@ -145,7 +145,7 @@ def _even_rate(t: Array, sensor: str, samples: Array) -> float:
     """Samples per second over the whole record, or a ValueError naming the first place where one is missing."""
     if len(t) < _FEWEST:
         default_sizes(len(t))
-    present = np.isfinite(samples).all(axis=1)
+    present: npt.NDArray[np.bool_] = np.asarray(np.isfinite(samples).all(axis=1))
     steps = np.diff(t)
     usual = float(np.median(steps))
     uneven = np.abs(steps - usual) > _UNEVEN * usual

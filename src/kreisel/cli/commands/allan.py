@@ -114,7 +114,8 @@ def _print(path: str, fits: list[AllanFit], files: list[str]) -> None:
         print_table([fit.sensor, "unit", "x", "y", "z"], _rows(fit))
     print(
         "\nIn brackets 95 % intervals; < where a term is not visible in this record: it would have shown above.\n"
-        "Datasheets commonly state the noise density sqrt(2) N, one-sided, and as bias instability the curve's floor, 0.664 B."
+        "Datasheets commonly state the noise density sqrt(2) N, one-sided, and as bias instability the floor of the "
+        "curve, 0.664 B."
     )
     if files:
         print("\n" + aligned(files))
