@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from kreisel.data.checks import Array, finite, increasing, rotations, same_length, shaped
 from kreisel.data.motion import Mount
+from kreisel.data.tables import Tabular
 from kreisel.maths.rotations import euler_from_matrix, quat_wxyz_from_matrix
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ Mask = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class AttitudeHistory:
+class AttitudeHistory(Tabular):
     """Attitude of a sensor (or body) in N over time; everything after R_NS is optional.
 
     A user's own answer is `AttitudeHistory(t=t, R_NS=R)`.
@@ -76,7 +77,7 @@ class AttitudeHistory:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Reference:
+class Reference(Tabular):
     """Attitude from a reference system, and which of its samples count."""
 
     t: Array  # (n,) s after t0_ns, strictly increasing

@@ -18,6 +18,7 @@ from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.checks import Array, choice
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
+from kreisel.data.tables import CONSTANTS
 from kreisel.data.trajectory import Poses
 
 Data = TypeVar("Data", bound=Poses | Motion | ImuRecording | AttitudeHistory | Reference | Mount)
@@ -92,7 +93,13 @@ def _turned(
     if isinstance(data, ImuRecording):
         mag_uT = None if data.mag_uT is None else body(data.mag_uT, -1)
         accel = body(data.accel, -1) * accel_sign
-        return replace(data, gyro=body(data.gyro, -1), accel=accel, mag_uT=mag_uT)
+        # A deviation has an axis but no sign.
+        sigmas = {
+            name: np.abs(body(getattr(data, name), -1))
+            for name in CONSTANTS
+            if getattr(data, name) is not None
+        }
+        return replace(data, gyro=body(data.gyro, -1), accel=accel, mag_uT=mag_uT, **sigmas)
     if isinstance(data, Motion):
         return replace(
             data,
@@ -121,6 +128,6 @@ def _attitude_fields(
         "R_NS": body(nav(data.R_NS, -2), -1),
         "gyro_bias": None if data.gyro_bias is None else body(data.gyro_bias, -1),
         "a_N": None if data.a_N is None else nav(data.a_N, -1),
-        # A deviation has an axis but no sign.
+        # As above.
         "sigma": None if data.sigma is None else np.abs(nav(data.sigma, -1)),
     }

@@ -1,0 +1,68 @@
+"""Turns every noun into netCDF files, which are what `to_xarray` gives on disk, and back, to the bit.
+
+Files of others are read by the names of their variables, as NPZ files are.
+"""
+
+from __future__ import annotations
+
+from io import BytesIO
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from kreisel.data.attitude import AttitudeHistory, Reference
+from kreisel.data.motion import Motion
+from kreisel.data.recording import ImuRecording
+from kreisel.data.trajectory import Poses
+from kreisel.files.arrays import SCHEMA, from_arrays, to_arrays
+from kreisel.files.extras import library
+from kreisel.files.formats import Noun, ReadOptions
+from kreisel.files.formats.hdf5 import MAGIC, NETCDF_MARK
+
+SUFFIX = ".nc"
+HOLDS = (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
+OPTIONS = frozenset({"rate_hz"})
+KEEPS = "every bit of every field"
+
+_ENGINE = "h5netcdf"
+_CLASSIC = (b"CDF\x01", b"CDF\x02")
+
+
+def sniff(head: bytes) -> bool:
+    """HDF5 with the mark of netCDF, or netCDF of the classic kind."""
+    return (head.startswith(MAGIC) and NETCDF_MARK in head) or head.startswith(_CLASSIC)
+
+
+def read(path: Path, options: ReadOptions) -> Noun:
+    """The noun named in the file's schema, or what its names suggest."""
+    xarray = library("xarray", "data", f"{path} is a netCDF file, which")
+    with path.open("rb") as stream:
+        engine = "scipy" if stream.read(4) in _CLASSIC else _ENGINE
+    if engine == _ENGINE:
+        library(_ENGINE, "data", f"{path} is a netCDF file, which")
+    try:
+        # Undecoded: a fill value in a stranger's file is for from_arrays' checks to find.
+        with xarray.open_dataset(path, engine=engine, decode_cf=False) as dataset:
+            arrays: dict[str, Any] = {str(name): each.values for name, each in dataset.variables.items()}
+            attributes = dict(dataset.attrs)
+    except Exception as error:
+        reason = str(error).partition("\n")[0]
+        raise ValueError(f"{path} is not a whole netCDF file: it was cut off or damaged ({reason}).") from None
+    if SCHEMA in attributes:
+        # In the box of arrays they are arrays; in netCDF, attributes of the whole.
+        arrays |= {name: np.asarray(value) for name, value in attributes.items()}
+    return from_arrays(path, arrays, options)
+
+
+def write(data: Noun, out: BinaryIO) -> None:
+    """The dataset of `to_xarray`, and the schema that lists its variables as an attribute."""
+    library("xarray", "data", "writing netCDF")
+    library(_ENGINE, "data", "writing netCDF")
+    dataset = data.to_xarray()
+    dataset.attrs |= {name: str(value) for name, value in to_arrays(data).items() if value.dtype.kind == "U"}
+    buffer = BytesIO()
+    # A NaN is no filling here but a sample that is missing, which needs no mark.
+    encoding = {name: {"_FillValue": None} for name in dataset.variables}
+    dataset.to_netcdf(buffer, engine=_ENGINE, encoding=encoding)
+    out.write(buffer.getbuffer())
