@@ -38,7 +38,9 @@ def new_folder(path: PathLike) -> Iterator[Path]:
     if final.exists():
         raise FileExistsError(f"cannot write {path}: it exists already. Choose another name or remove it.")
     if not final.parent.is_dir():
-        raise FileNotFoundError(f"cannot write {path}: the folder {final.parent} does not exist. Create it first.")
+        raise FileNotFoundError(
+            f"cannot write {path}: the folder {final.parent} does not exist. Create it first."
+        )
     around = final.with_name(f".{final.name}.{secrets.token_hex(4)}.part")
     try:
         around.mkdir()

@@ -41,9 +41,7 @@ QUANTITIES = MappingProxyType(
         "accel": Quantity("accel", "m/s^2", "S", "accelerometer: specific force, +g up at rest"),
         "mag_uT": Quantity("mag", "uT", "S", "magnetic field"),
         "gyro_sigma": Quantity("gyro_sigma", "rad/s", "S", "deviation of the gyroscope's white noise"),
-        "accel_sigma": Quantity(
-            "accel_sigma", "m/s^2", "S", "deviation of the accelerometer's white noise"
-        ),
+        "accel_sigma": Quantity("accel_sigma", "m/s^2", "S", "deviation of the accelerometer's white noise"),
         "mag_sigma_uT": Quantity("mag_sigma", "uT", "S", "deviation of the magnetometer's white noise"),
         "R_NS": Quantity("R", "1", "N from S", "rotation matrix of the sensor: v_N = R_NS v_S"),
         "gyro_bias": Quantity("gyro_bias", "rad/s", "S", "bias of the gyroscope"),

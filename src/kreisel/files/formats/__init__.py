@@ -44,6 +44,10 @@ class Topic:
     holds: str  # "imu", "mag" or "poses"; "" where it is of no use here
 
 
+class Undecided(ValueError):
+    """Of the recordings in a file none or several fit what was asked for; the text lists them."""
+
+
 class Format(Protocol):
     """What a module in this folder offers."""
 

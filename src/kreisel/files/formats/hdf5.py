@@ -9,12 +9,14 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any, BinaryIO
 
+import numpy as np
+
 from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.tables import QUANTITIES
 from kreisel.data.trajectory import Poses
-from kreisel.files.arrays import from_arrays, to_arrays
+from kreisel.files.arrays import from_arrays, refuse_inflated, to_arrays
 from kreisel.files.extras import library
 from kreisel.files.formats import Noun, ReadOptions
 
@@ -24,6 +26,7 @@ OPTIONS = frozenset({"rate_hz"})
 KEEPS = "every bit of every field"
 
 MAGIC = b"\x89HDF\r\n\x1a\n"
+_TEXT = np.dtype(object)  # also what stands in for groups, which have no type
 NETCDF_MARK = b"_NCProperties"  # an attribute every netCDF library leaves in its files
 
 
@@ -34,19 +37,34 @@ def sniff(head: bytes) -> bool:
 
 def read(path: Path, options: ReadOptions) -> Noun:
     """The noun named in the file's schema, or what its names suggest."""
-    h5py = library("h5py", "data", f"{path} is an HDF5 file, which")
+    return from_arrays(path, load(path, "HDF5")[0], options)
+
+
+def load(path: Path, kind: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """(arrays, attributes) at the top level of a file built on HDF5; ValueError where it is not whole.
+
+    kind : what the file calls itself, for complaints.
+    """
+    h5py = library("h5py", "data", f"{path} is {'an' if kind == 'HDF5' else 'a'} {kind} file, which")
     try:
         with h5py.File(path, "r") as file:
-            arrays = {name: _value(item) for name, item in file.items() if isinstance(item, h5py.Dataset)}
+            # Texts of any length lie in a heap of their own, of which damage can send the library in circles.
+            items = {name: item for name, item in file.items() if getattr(item, "dtype", _TEXT).kind != "O"}
+            texts = [name for name in file.attrs if file.attrs.get_id(name).dtype.kind != "O"]
+            refuse_inflated(path, sum(item.nbytes for item in items.values()))
+            return {name: _value(item[()]) for name, item in items.items()}, {
+                name: _value(file.attrs[name]) for name in texts
+            }
     # HDF5 meets broken bytes with whatever error they lead it into, in several lines.
     except Exception as error:
         reason = str(error).partition("\n")[0]
-        raise ValueError(f"{path} is not a whole HDF5 file: it was cut off or damaged ({reason}).") from None
-    return from_arrays(path, arrays, options)
+        raise ValueError(
+            f"{path} is not a whole {kind} file: it was cut off or damaged ({reason})."
+        ) from None
 
 
-def _value(item: Any) -> Any:
-    return item.asstr()[()] if item.dtype.kind == "O" else item[()]
+def _value(value: Any) -> Any:
+    return value.decode() if isinstance(value, bytes) else value
 
 
 def write(data: Noun, out: BinaryIO) -> None:
@@ -56,7 +74,9 @@ def write(data: Noun, out: BinaryIO) -> None:
     buffer = BytesIO()
     with h5py.File(buffer, "w") as file:
         for name, array in to_arrays(data).items():
-            item = file.create_dataset(name, data=str(array) if array.dtype.kind == "U" else array)
+            item = file.create_dataset(
+                name, data=np.bytes_(str(array).encode()) if array.dtype.kind == "U" else array
+            )
             if name in QUANTITIES:
                 quantity = QUANTITIES[name]
                 item.attrs.update(units=quantity.unit, frame=quantity.frame, long_name=quantity.meaning)

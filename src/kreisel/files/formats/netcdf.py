@@ -15,10 +15,10 @@ from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
-from kreisel.files.arrays import SCHEMA, from_arrays, to_arrays
+from kreisel.files.arrays import SCHEMA, from_arrays, refuse_inflated, to_arrays
 from kreisel.files.extras import library
 from kreisel.files.formats import Noun, ReadOptions
-from kreisel.files.formats.hdf5 import MAGIC, NETCDF_MARK
+from kreisel.files.formats.hdf5 import MAGIC, NETCDF_MARK, load
 
 SUFFIX = ".nc"
 HOLDS = (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
@@ -36,23 +36,28 @@ def sniff(head: bytes) -> bool:
 
 def read(path: Path, options: ReadOptions) -> Noun:
     """The noun named in the file's schema, or what its names suggest."""
-    xarray = library("xarray", "data", f"{path} is a netCDF file, which")
     with path.open("rb") as stream:
-        engine = "scipy" if stream.read(4) in _CLASSIC else _ENGINE
-    if engine == _ENGINE:
-        library(_ENGINE, "data", f"{path} is a netCDF file, which")
-    try:
-        # Undecoded: a fill value in a stranger's file is for from_arrays' checks to find.
-        with xarray.open_dataset(path, engine=engine, decode_cf=False) as dataset:
-            arrays: dict[str, Any] = {str(name): each.values for name, each in dataset.variables.items()}
-            attributes = dict(dataset.attrs)
-    except Exception as error:
-        reason = str(error).partition("\n")[0]
-        raise ValueError(f"{path} is not a whole netCDF file: it was cut off or damaged ({reason}).") from None
+        classic = stream.read(4) in _CLASSIC
+    arrays, attributes = _classic(path) if classic else load(path, "netCDF")
     if SCHEMA in attributes:
         # In the box of arrays they are arrays; in netCDF, attributes of the whole.
         arrays |= {name: np.asarray(value) for name, value in attributes.items()}
     return from_arrays(path, arrays, options)
+
+
+def _classic(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """(arrays, attributes) of a stranger's file of version 3."""
+    from scipy.io import netcdf_file
+
+    try:
+        with netcdf_file(path, "r", mmap=False) as file:
+            refuse_inflated(path, sum(each.data.nbytes for each in file.variables.values()))
+            return {name: each.data.copy() for name, each in file.variables.items()}, {}
+    except Exception as error:
+        reason = str(error).partition("\n")[0] or type(error).__name__
+        raise ValueError(
+            f"{path} is not a whole netCDF file: it was cut off or damaged ({reason})."
+        ) from None
 
 
 def write(data: Noun, out: BinaryIO) -> None:
@@ -60,7 +65,9 @@ def write(data: Noun, out: BinaryIO) -> None:
     library("xarray", "data", "writing netCDF")
     library(_ENGINE, "data", "writing netCDF")
     dataset = data.to_xarray()
-    dataset.attrs |= {name: str(value) for name, value in to_arrays(data).items() if value.dtype.kind == "U"}
+    # As bytes, which netCDF keeps as plain characters: `load` passes over texts of any length.
+    texts = {name: str(value) for name, value in to_arrays(data).items() if value.dtype.kind == "U"}
+    dataset.attrs |= {name: np.bytes_(text.encode()) for name, text in texts.items()}
     buffer = BytesIO()
     # A NaN is no filling here but a sample that is missing, which needs no mark.
     encoding = {name: {"_FillValue": None} for name in dataset.variables}

@@ -48,8 +48,12 @@ def read(path: Path, options: ReadOptions) -> Noun:
         about = {key.decode(): value.decode() for key, value in (table.schema.metadata or {}).items()}
     except Exception as error:
         reason = str(error).partition("\n")[0]
-        raise ValueError(f"{path} is not a whole Parquet file: it was cut off or damaged ({reason}).") from None
-    return from_arrays(path, _ours(arrays, about) if SCHEMA in about else _theirs(path, arrays, options), options)
+        raise ValueError(
+            f"{path} is not a whole Parquet file: it was cut off or damaged ({reason})."
+        ) from None
+    return from_arrays(
+        path, _ours(arrays, about) if SCHEMA in about else _theirs(path, arrays, options), options
+    )
 
 
 def write(data: Noun, out: BinaryIO) -> None:
@@ -87,12 +91,10 @@ def _ours(columns: dict[str, Any], about: dict[str, str]) -> dict[str, Any]:
         stem = QUANTITIES[name].column if name in QUANTITIES else name
         if name in CONSTANTS and name in about:
             arrays[name] = np.array(about[name].split(), dtype=np.float64)
-        elif stem in columns:
-            arrays[name] = columns[stem]
-        elif f"{stem}_x" in columns:
-            arrays[name] = np.column_stack([columns[f"{stem}_{axis}"] for axis in AXES])
-        elif f"{stem}_xx" in columns:
-            arrays[name] = np.stack([columns[f"{stem}_{part}"] for part in _MATRIX], axis=1).reshape(-1, 3, 3)
+        for parts, shape in (("",), (-1,)), (AXES, (-1, 3)), (_MATRIX, (-1, 3, 3)):
+            labels = [f"{stem}_{part}".rstrip("_") for part in parts]
+            if all(label in columns for label in labels):
+                arrays[name] = np.stack([columns[label] for label in labels], axis=1).reshape(shape)
     return arrays
 
 
@@ -104,6 +106,8 @@ def _theirs(path: Path, columns: dict[str, Any], options: ReadOptions) -> dict[s
     for group, name in _BOX.items():
         parts = GROUPS[group][0]
         if parts[0] in found:
-            values = [found[part].scale(np.asarray(columns[headers[found[part].index]], float)) for part in parts]
+            values = [
+                found[part].scale(np.asarray(columns[headers[found[part].index]], float)) for part in parts
+            ]
             box[name] = values[0] if name == "t" else np.column_stack(values)
     return box

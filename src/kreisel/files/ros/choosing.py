@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from kreisel.files.formats import ReadOptions, Topic
+from kreisel.files.formats import ReadOptions, Topic, Undecided
 from kreisel.files.ros.bags import Bag, is_tf
 
 _WANTED = {"imu": ("imu",), "attitude": ("imu", "poses"), None: ("imu", "poses")}
@@ -79,11 +79,11 @@ def _only(bag: Bag, topics: Sequence[Topic], kind: str | None) -> Topic:
     if len(found) == 1:
         return found[0]
     if found:
-        raise ValueError(
+        raise Undecided(
             f"{bag.path} has several topics to read. Say which, as in --topic {found[0].name}. {_there(found)}"
         )
     what = " or ".join({"imu": "an IMU", "poses": "poses"}[each] for each in wanted)
-    raise ValueError(f"{bag.path} has no topic with {what}. {_there(topics)}")
+    raise Undecided(f"{bag.path} has no topic with {what}. {_there(topics)}")
 
 
 def _beside(topics: Sequence[Topic], imu: Topic) -> Topic | None:

@@ -132,7 +132,9 @@ def _odometry(bag: Bag, topic: Topic) -> Poses:
     if not v_B.any() and np.ptp(p_NB, axis=0).any():
         v_NB = None
         where = f"{bag.path}, topic {topic.name}"
-        warnings.warn(f"{where}: the body moves at a velocity of zero, which was never set: left out.", stacklevel=2)
+        warnings.warn(
+            f"{where}: the body moves at a velocity of zero, which was never set: left out.", stacklevel=2
+        )
     return Poses(t, p_NB, R_NB, v_NB, t0_ns, bag.path.stem)
 
 

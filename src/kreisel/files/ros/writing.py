@@ -102,7 +102,9 @@ def _stamps(data: Noun, ros: int) -> Nanoseconds:
             f"these go from {ns[0]} to {ns[-1]} ns. Write csv instead."
         )
     if len(ns) > 1 and np.diff(ns).min() <= 0:
-        raise ValueError("ROS counts whole nanoseconds, and two stamps are closer than that. Write csv instead.")
+        raise ValueError(
+            "ROS counts whole nanoseconds, and two stamps are closer than that. Write csv instead."
+        )
     return ns
 
 
@@ -138,30 +140,40 @@ def _imu(make: _Maker, data: ImuRecording, ns: Nanoseconds) -> Iterator[tuple[in
     gyro, no_gyro = _covariances(data.gyro_sigma)
     accel, no_accel = _covariances(data.accel_sigma)
     level, no_attitude = make.vector([0.0, 0.0, 0.0, 1.0], "Quaternion"), _covariances(None)[1]
-    rows = zip(ns.tolist(), data.gyro.tolist(), data.accel.tolist(), _lost(data.gyro), _lost(data.accel), strict=True)
+    rows = zip(
+        ns.tolist(), data.gyro.tolist(), data.accel.tolist(), _lost(data.gyro), _lost(data.accel), strict=True
+    )
     for stamp, w, f, no_w, no_f in rows:
-        yield stamp, make(
-            IMU,
-            header=make.header(stamp, SENSOR),
-            orientation=level,
-            orientation_covariance=no_attitude,
-            angular_velocity=make.vector(w),
-            angular_velocity_covariance=no_gyro if no_w else gyro,
-            linear_acceleration=make.vector(f),
-            linear_acceleration_covariance=no_accel if no_f else accel,
+        yield (
+            stamp,
+            make(
+                IMU,
+                header=make.header(stamp, SENSOR),
+                orientation=level,
+                orientation_covariance=no_attitude,
+                angular_velocity=make.vector(w),
+                angular_velocity_covariance=no_gyro if no_w else gyro,
+                linear_acceleration=make.vector(f),
+                linear_acceleration_covariance=no_accel if no_f else accel,
+            ),
         )
 
 
 def _field(make: _Maker, data: ImuRecording, ns: Nanoseconds) -> Iterator[tuple[int, Any]]:
     assert data.mag_uT is not None  # asked before
     covariance, _ = _covariances(None if data.mag_sigma_uT is None else data.mag_sigma_uT / UT_PER_T)
-    for stamp, field, missing in zip(ns.tolist(), (data.mag_uT / UT_PER_T).tolist(), _lost(data.mag_uT), strict=True):
+    for stamp, field, missing in zip(
+        ns.tolist(), (data.mag_uT / UT_PER_T).tolist(), _lost(data.mag_uT), strict=True
+    ):
         if not missing:
-            yield stamp, make(
-                FIELD,
-                header=make.header(stamp, SENSOR),
-                magnetic_field=make.vector(field),
-                magnetic_field_covariance=covariance,
+            yield (
+                stamp,
+                make(
+                    FIELD,
+                    header=make.header(stamp, SENSOR),
+                    magnetic_field=make.vector(field),
+                    magnetic_field_covariance=covariance,
+                ),
             )
 
 
@@ -170,15 +182,18 @@ def _attitude(make: _Maker, data: AttitudeHistory, ns: Nanoseconds) -> Iterator[
     zero, unreported = make.vector([0.0, 0.0, 0.0]), _covariances(None)[1]
     sigma = np.zeros((len(data), 3)) if data.sigma is None else data.sigma
     for stamp, quat, deviation in zip(ns.tolist(), _quat_xyzw(data.R_NS), sigma, strict=True):
-        yield stamp, make(
-            IMU,
-            header=make.header(stamp, SENSOR),
-            orientation=make.vector(quat, "Quaternion"),
-            orientation_covariance=np.diag(deviation**2).ravel(),
-            angular_velocity=zero,
-            angular_velocity_covariance=unreported,
-            linear_acceleration=zero,
-            linear_acceleration_covariance=unreported,
+        yield (
+            stamp,
+            make(
+                IMU,
+                header=make.header(stamp, SENSOR),
+                orientation=make.vector(quat, "Quaternion"),
+                orientation_covariance=np.diag(deviation**2).ravel(),
+                angular_velocity=zero,
+                angular_velocity_covariance=unreported,
+                linear_acceleration=zero,
+                linear_acceleration_covariance=unreported,
+            ),
         )
 
 
@@ -226,12 +241,15 @@ def _odometry(make: _Maker, data: Poses | Motion, rows: list[_PoseRow]) -> Itera
     for (stamp, p, q), v, w in zip(rows, v_B, omega, strict=True):
         twist = make("geometry_msgs/msg/Twist", linear=make.vector(v), angular=make.vector(w))
         pose = _pose(make, p, q)
-        yield stamp, make(
-            ODOMETRY,
-            header=make.header(stamp, WORLD),
-            child_frame_id=BODY,
-            pose=make("geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=exact),
-            twist=make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=of_twist),
+        yield (
+            stamp,
+            make(
+                ODOMETRY,
+                header=make.header(stamp, WORLD),
+                child_frame_id=BODY,
+                pose=make("geometry_msgs/msg/PoseWithCovariance", pose=pose, covariance=exact),
+                twist=make("geometry_msgs/msg/TwistWithCovariance", twist=twist, covariance=of_twist),
+            ),
         )
 
 
