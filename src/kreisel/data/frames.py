@@ -94,7 +94,7 @@ def _turned(
         mag_uT = None if data.mag_uT is None else body(data.mag_uT, -1)
         accel = body(data.accel, -1) * accel_sign
         # A deviation has an axis but no sign.
-        sigmas = {
+        sigmas: dict[str, Any] = {
             name: np.abs(body(getattr(data, name), -1))
             for name in CONSTANTS
             if getattr(data, name) is not None

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from kreisel.show.plots import plot_imu as plot_imu
     from kreisel.show.plots import plot_linear as plot_linear
     from kreisel.show.saving import save as save
+    from kreisel.show.viewer import save_rerun as save_rerun
 
 _HOMES = {
     "animate": "kreisel.show.animation",
@@ -33,6 +34,7 @@ _HOMES = {
     "plot_linear": "kreisel.show.plots",
     "plot_path": "kreisel.show.path",
     "save": "kreisel.show.saving",
+    "save_rerun": "kreisel.show.viewer",
 }
 
 __all__ = sorted(_HOMES)

@@ -33,7 +33,7 @@ def save_rerun(
     Time is the timeline `t`, s; data with an epoch has `time` as well. The whole file or nothing.
     Raises ValueError where rerun-sdk is not installed.
     """
-    rerun = _rerun(path)
+    rerun = installed()
     stream = rerun.RecordingStream("kreisel", make_default=False)
     memory = stream.memory_recording()
     length = _AXIS_LENGTH * float(np.ptp(motion.p_NB, axis=0).max()) or _AXIS_LENGTH
@@ -42,7 +42,7 @@ def save_rerun(
     _send_turning(rerun, stream, "world/body", motion, motion.R_NB, motion.p_NB, length)
     for mount in mounts:
         stream.log(
-            f"world/body/{mount.name}",
+            rerun.new_entity_path(["world", "body", mount.name]),
             rerun.Transform3D(translation=mount.p_BS, mat3x3=mount.R_BS),
             rerun.TransformAxes3D(0.5 * length),
             static=True,
@@ -56,13 +56,12 @@ def save_rerun(
         out.write(memory.drain_as_bytes())
 
 
-def _rerun(path: str | os.PathLike[str]) -> Any:
+def installed() -> Any:
+    """The module `rerun`, or a ValueError with the command that installs it."""
     try:
         import rerun
     except ImportError:
-        raise ValueError(
-            f"{os.fspath(path)}: Rerun recordings need rerun-sdk: pip install 'kreisel[rerun]'."
-        ) from None
+        raise ValueError("Rerun recordings need rerun-sdk: pip install 'kreisel[rerun]'.") from None
     return rerun
 
 
@@ -83,7 +82,7 @@ def _send_readings(rerun: Any, stream: Any, recording: ImuRecording) -> None:
         values = getattr(recording, sensor)
         if values is None:
             continue
-        entity = f"{recording.name or 'imu'}/{sensor}"
+        entity = rerun.new_entity_path([recording.name or "imu", sensor])
         names = [f"{axis} [{unit}]" for axis in "xyz"]
         stream.log(entity, rerun.SeriesLines(names=names), static=True)
         columns = rerun.Scalars.columns(scalars=values.ravel()).partition(np.full(len(values), 3))

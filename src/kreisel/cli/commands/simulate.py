@@ -36,6 +36,7 @@ examples:
   kreisel simulate poses.csv -o out/ --sensor bmi088 --imu left:0,0.1,0 --imu right:0,-0.1,0
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
   kreisel simulate flight.csv -o out/ --frame ned-frd
+  kreisel simulate flight.bag --topic /odom -o out/ --imu-format mcap
   kreisel simulate poses.csv -o out/ --rate 1000 --check
 """
 
@@ -76,6 +77,7 @@ def configure(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.add_argument("--animation", action="store_true", help="also write motion.gif")
+    parser.add_argument("--rerun", action="store_true", help="also write motion.rrd for the Rerun viewer")
     parser.add_argument(
         "--check",
         action="store_true",
@@ -106,6 +108,7 @@ def run(args: Namespace) -> int:
         imu_format=args.imu_format,
         pictures=not args.no_pictures,
         animation=args.animation,
+        rerun=args.rerun,
     )
     check_outputs(args.output, outputs)
     poses = read_input(args, kind="poses")

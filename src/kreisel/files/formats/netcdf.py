@@ -5,9 +5,9 @@ Files of others are read by the names of their variables, as NPZ files are.
 
 from __future__ import annotations
 
-from io import BytesIO
 from pathlib import Path
-from typing import Any, BinaryIO
+from tempfile import TemporaryDirectory
+from typing import Any, BinaryIO, Literal
 
 import numpy as np
 
@@ -25,7 +25,7 @@ HOLDS = (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
 OPTIONS = frozenset({"rate_hz"})
 KEEPS = "every bit of every field"
 
-_ENGINE = "h5netcdf"
+_ENGINE: Literal["h5netcdf"] = "h5netcdf"
 _CLASSIC = (b"CDF\x01", b"CDF\x02")
 
 
@@ -68,8 +68,9 @@ def write(data: Noun, out: BinaryIO) -> None:
     # As bytes, which netCDF keeps as plain characters: `load` passes over texts of any length.
     texts = {name: str(value) for name, value in to_arrays(data).items() if value.dtype.kind == "U"}
     dataset.attrs |= {name: np.bytes_(text.encode()) for name, text in texts.items()}
-    buffer = BytesIO()
     # A NaN is no filling here but a sample that is missing, which needs no mark.
-    encoding = {name: {"_FillValue": None} for name in dataset.variables}
-    dataset.to_netcdf(buffer, engine=_ENGINE, encoding=encoding)
-    out.write(buffer.getbuffer())
+    encoding: Any = {name: {"_FillValue": None} for name in dataset.variables}
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "kreisel.nc"
+        dataset.to_netcdf(file, engine=_ENGINE, encoding=encoding)
+        out.write(file.read_bytes())

@@ -142,13 +142,13 @@ def _imu_rows(message: Any) -> Iterator[tuple[Any, Row]]:
     w, f, q = message.angular_velocity, message.linear_acceleration, message.orientation
     of_w, of_f = message.angular_velocity_covariance, message.linear_acceleration_covariance
     of_q = message.orientation_covariance
-    rates, forces = (w.x, w.y, w.z, *of_w[::4]), (f.x, f.y, f.z, *of_f[::4])
-    yield message.header, (*rates, *forces, q.x, q.y, q.z, q.w, *of_q[::4])
+    rates, forces = (w.x, w.y, w.z, *of_w.tolist()[::4]), (f.x, f.y, f.z, *of_f.tolist()[::4])
+    yield message.header, (*rates, *forces, q.x, q.y, q.z, q.w, *of_q.tolist()[::4])
 
 
 def _field_rows(message: Any) -> Iterator[tuple[Any, Row]]:
     b = message.magnetic_field
-    yield message.header, (b.x, b.y, b.z, *message.magnetic_field_covariance[::4])
+    yield message.header, (b.x, b.y, b.z, *message.magnetic_field_covariance.tolist()[::4])
 
 
 def _from_imu(bag: Bag, chosen: Choice, kind: str | None) -> ImuRecording | AttitudeHistory:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.checks import Array
@@ -262,9 +263,9 @@ def _quat_xyzw(R: Array) -> list[list[float]]:
     return quat_wxyz_from_matrix(R)[:, [1, 2, 3, 0]].tolist()
 
 
-def _lost(values: Array) -> list[bool]:
+def _lost(values: Array) -> npt.NDArray[np.bool_]:
     """Which rows (n,) are no sample at all."""
-    return np.isnan(values).all(axis=1).tolist()
+    return np.asarray(np.isnan(values).all(axis=1))
 
 
 def _covariances(sigma: Array | None) -> tuple[Array, Array]:
