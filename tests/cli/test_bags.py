@@ -44,6 +44,14 @@ def test_info_lists_the_topics_and_tells_of_the_one_that_is_named(flight, capsys
     assert "200 Hz" in capsys.readouterr().out
 
 
+def test_info_of_a_bag_with_nothing_to_read_says_so(tmp_path, capsys):
+    maker = Maker(1)
+    save(tmp_path / "a.bag", maker, [("/chatter", "std_msgs/String", EPOCH_NS, maker.text(EPOCH_NS))])
+    assert main(["info", str(tmp_path / "a.bag")]) == 0
+    told = capsys.readouterr().out
+    assert "/chatter  std_msgs/String" in told and "None of its topics has an IMU or poses" in told
+
+
 def test_info_for_machines_has_the_topics(flight, capsys):
     assert main(["info", "--json", str(flight)]) == 0
     (file,) = json.loads(capsys.readouterr().out)["files"]

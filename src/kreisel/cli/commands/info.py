@@ -30,6 +30,7 @@ _NOUNS = {
 
 _HOLDS = {"imu": "IMU", "mag": "magnetometer", "poses": "poses", "": ""}
 _SAY_WHICH = "More about one with an IMU or poses: --topic NAME."
+_NOTHING_TO_READ = "None of its topics has an IMU or poses."
 
 
 def configure(parser: ArgumentParser) -> None:
@@ -83,7 +84,10 @@ def _report(path: str, topics: Sequence[Topic] | None, what: Facts | Undecided) 
     rows = [*_topics(topics or ()), *([] if isinstance(what, Undecided) else _rows(what))]
     width = max((len(name) for name, _ in rows), default=0)
     lines = [str(Path(path)), *(f"  {name:<{width}}  {text}".rstrip() for name, text in rows)]
-    return [*lines, f"  {_SAY_WHICH}"] if isinstance(what, Undecided) else lines
+    if isinstance(what, Undecided):
+        some = any(topic.holds in ("imu", "poses") for topic in topics or ())
+        lines.append(f"  {_SAY_WHICH if some else _NOTHING_TO_READ}")
+    return lines
 
 
 def _topics(topics: Sequence[Topic]) -> list[tuple[str, str]]:
