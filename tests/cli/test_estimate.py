@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import kreisel
-from kreisel.cli.commands.estimate import parse_settings
+from kreisel.cli.filters import parse_settings
 from kreisel.cli.main import main
 from kreisel.data.frames import from_enu_flu
 from tests.trials import turning_trial

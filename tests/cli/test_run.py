@@ -53,6 +53,44 @@ def test_a_scenario_becomes_a_folder(circle, tmp_path, capsys):
     assert json.loads((out / "report.json").read_text())["schema"] == "kreisel.run/1"
 
 
+def test_a_disturbed_place_is_told_and_its_truth_written(tmp_path, capsys):
+    example = next(path for path in EXAMPLES if path.stem == "past_iron")
+    assert main(["run", str(example), "-o", str(tmp_path), "--no-pictures"]) == 0
+    told = capsys.readouterr().out
+    assert "at 48.14 N, 11.58 E, 520 m on 2026-05-01: gravity 9.80743 m/s^2; N turns with the Earth" in told
+    assert "filters are told a declination of 4.31 deg" in told
+    assert "disturbed by: dipole, step, drift" in told
+    errors = {
+        e["filter"]: e["errors"] for e in json.loads((tmp_path / "report.json").read_text())["estimates"]
+    }
+    # Declination is 4.3 deg; who is not told it is that much off, whatever the disturbances do.
+    assert errors["dcm"]["heading_rmse_deg"] < 2.0 < 4.0 < errors["compass north"]["heading_rmse_deg"]
+    with np.load(tmp_path / "phone-errors.npz") as truth:
+        added = np.linalg.norm(truth["disturbance_N_uT"], axis=1)
+    # Past the loudspeaker the field is 7 uT off, and most of the time by a little of the drift.
+    assert 5.0 < added.max() < 10.0 and np.median(added) < 2.0
+
+
+def test_the_gyro_bias_is_drawn_over_the_true_one(tmp_path, monkeypatch, capsys):
+    from kreisel import show
+
+    path, drawn = tmp_path / "noisy.toml", []
+    filter = '[[filter]]\nkind = "dcm"\nalign = "heading"\n'
+    sensors = '[[imu]]\nname = "real"\nsensor = "bmi088"\n[[imu]]\nname = "perfect"\n'
+    path.write_text(CIRCLE.partition("[[imu]]")[0] + sensors + filter)
+    plot = show.plot_bias
+    monkeypatch.setattr(show, "plot_bias", lambda e, truth: drawn.append((e, truth)) or plot(e, truth))
+    assert main(["run", str(path), "-o", str(tmp_path / "out")]) == 0
+    for name in ("real", "perfect"):
+        assert (tmp_path / "out" / f"attitude-{name}-dcm-bias.png").exists()
+    (real, bias), (_, none) = drawn
+    known = np.load(tmp_path / "out" / "real-errors.npz")
+    assert bias.shape == real.gyro_bias.shape and np.abs(bias).max() > 0.0
+    np.testing.assert_array_equal(bias, known["gyro_bias"])
+    assert not none.any()
+    assert "real, dcm, removed: heading offset of" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_examples_run(path, tmp_path, capsys):
     assert main(["run", str(path), "-o", str(tmp_path), "--no-pictures"]) == 0

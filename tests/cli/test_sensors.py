@@ -16,15 +16,16 @@ def test_all_are_listed_from_the_worst_grade_to_the_best(capsys):
     lines = capsys.readouterr().out.splitlines()
     listed = [line.split() for line in lines if line.split()[:1] and line.split()[0] in names()]
     assert sorted(row[0] for row in listed) == names()
-    assert listed[0][1] == "consumer" and listed[-1][:2] == ["hg9900", "navigation"]
-    # stim300 as its datasheet has it: 0.15 deg/sqrt(h), 0.5 deg/h, 400 deg/s, 0.06 m/s/sqrt(h), 50 ug, 10 g.
+    assert listed[0][1] == "consumer" and listed[-2][:2] == ["hg9900", "navigation"]
+    # stim300 as its datasheet has it: 0.15 deg/sqrt(h), 0.5 deg/h, 400 deg/s, 0.07 m/s/sqrt(h), 50 ug, 10 g.
     assert next(row for row in listed if row[0] == "stim300")[2:] == [
         "0.15",
         "0.5",
         "400",
-        "0.06",
+        "0.07",
         "50",
         "10",
+        "-",
     ]
 
 
@@ -35,6 +36,15 @@ def test_one_with_its_sources(capsys):
     assert "gyro_turn_on_bias_deg_per_s = 20 deg/s" in text
     assert "p. 12, section 6.1" in text
     assert "rad/s/sqrt(Hz)" in text
+    assert "two-sided. One-sided." in text
+
+
+def test_a_magnetometer_is_shown_with_its_sources(capsys):
+    assert main(["sensors", "vn100"]) == 0
+    text = capsys.readouterr().out
+    assert "mag_noise_ugauss_rthz = 140 ugauss/sqrt(Hz)" in text
+    # 140 ugauss are 0.014 uT, one-sided.
+    assert "0.009899 uT/sqrt(Hz)" in text
 
 
 def test_json_of_one_and_of_all(capsys):

@@ -187,7 +187,7 @@ HEADER = "t [s],p_x [m],p_y [m],p_z [m]\n"
         (HEADER + "0,0,0,0\n1,nan,0,0\n", "line 3"),
         (HEADER + "0,0,0,0\n0,1,0,0\n", "stands still"),
         (HEADER + "0,0,0,0\n1,1,0\n", "line 3"),
-        (HEADER + "0,0,0,0\n1,1,0,0\n", "at least 6 samples; got 2"),
+        (HEADER + "0,0,0,0\n1,1,0,0\n", "at least 6 samples of positions; got 2"),
         ("time,x,y\n1,2,3\n", "bad.csv"),
     ],
 )
@@ -331,3 +331,65 @@ def test_kalibr_and_preset_files_are_sensors_too(poses, tmp_path):
 def test_sensors_that_cannot_be(poses, tmp_path, capsys, options, message):
     assert simulate(poses, tmp_path / "out", *options) == 1
     assert message in capsys.readouterr().err
+
+
+# --- on the Earth ---
+
+
+@pytest.fixture
+def standing(tmp_path):
+    """A body at rest, its nose to the north."""
+    path = tmp_path / "standing.csv"
+    t = np.arange(100) / 50.0
+    north = matrix_from_euler(np.array([0.0, 0.0, np.pi / 2.0]))
+    write(path, Poses(t, np.zeros((100, 3)), np.tile(north, (100, 1, 1))))
+    return path
+
+
+def test_a_place_a_date_and_the_turning_earth(standing, tmp_path, capsys):
+    out = tmp_path / "out"
+    place = ["--place", "48.14,11.58,520", "--date", "2026-05-01", "--turning"]
+    assert main(["simulate", str(standing), "-o", str(out), "--no-pictures", "--check", *place]) == 0
+    told = capsys.readouterr().out
+    assert "gravity 9.80743 m/s^2; N turns with the Earth, 15.04 deg/h" in told
+    assert "magnetic field 48.8 uT, dip 64.4 deg" in told
+    assert "declination 4.31 deg east of true north (tell filters by --declination-deg 4.31)" in told
+    assert "magnetometer (uT) of imu" in told
+    recording = read(out / "imu.csv", kind="imu")
+    latitude = np.deg2rad(48.14)
+    rate = 7.292115e-5 * np.array([np.cos(latitude), 0.0, np.sin(latitude)])
+    # Forward is north, left is west: the field lies 4.31 deg to the right. Splines through equal poses: round-off.
+    np.testing.assert_allclose(recording.gyro, np.tile(rate, (100, 1)), atol=1e-12)
+    assert np.rad2deg(np.arctan2(-recording.mag_uT[:, 1], recording.mag_uT[:, 0])) == pytest.approx(
+        4.31, abs=0.01
+    )
+    # --check knows that it turned: else rest would seem to turn by 8e-3 deg in 2 s.
+    assert all(float(turn) < 1e-10 for turn in re.findall(r"m/s, (\S+) deg", told))
+
+
+def test_west_and_south_are_written_so_that_they_can_be_copied(standing, tmp_path, capsys):
+    place = ["--place=-33.93,18.42", "--date", "2026-05-01", "--no-pictures"]
+    assert main(["simulate", str(standing), "-o", str(tmp_path / "out"), *place]) == 0
+    assert re.search(
+        r"deg west of true north \(tell filters by --declination-deg=-\d", capsys.readouterr().out
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--date", "2026-05-01"], "--date says nothing without a place; give --place LAT,LON too."),
+        (["--turning"], "--turning says nothing without a place"),
+        (["--place", "48"], "--place takes LAT,LON or LAT,LON,HEIGHT, such as 48.14,11.58,520; got '48'."),
+        (["--place", "91,0"], "--place: latitude_deg must be one number, from -90 to 90, deg; got 91.0."),
+        (["--place", "nan,0"], "latitude_deg must be a finite number; got nan."),
+        (["--place", "48,11", "--date", "1999-01-01"], "--place: date: no magnetic model covers 1999-01-01"),
+        (["--place", "48,11", "--date", "May"], "date must be a date, such as 2026-05-01; got 'May'."),
+    ],
+)
+def test_places_and_dates_that_are_none_end_in_one_line(options, message, standing, tmp_path, capsys):
+    assert main(["simulate", str(standing), "-o", str(tmp_path / "out"), *options]) == 1
+    err = capsys.readouterr().err
+    assert err.startswith("kreisel: ") and err.count("\n") == 1
+    assert message in err
+    assert not (tmp_path / "out").exists()

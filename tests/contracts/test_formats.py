@@ -52,8 +52,10 @@ def recording(rng: np.random.Generator) -> kreisel.ImuRecording:
     gyro, accel, mag = rng.normal(size=(3, n, 3))
     accel[7] = np.nan
     mag[::2] = np.nan
-    sigmas = np.abs(rng.normal(size=(3, 3)))
-    return kreisel.ImuRecording(stamps(rng, n), gyro, accel, mag, EPOCH_NS, "held", *sigmas)
+    noise = dict(
+        zip(("gyro_noise", "accel_noise", "mag_noise_uT"), np.abs(rng.normal(size=(3, 3))), strict=True)
+    )
+    return kreisel.ImuRecording(stamps(rng, n), gyro, accel, mag, EPOCH_NS, "held", **noise)
 
 
 def attitude(rng: np.random.Generator) -> kreisel.AttitudeHistory:
@@ -110,7 +112,7 @@ def rounding(name: str, field: str) -> dict[str, float]:
         return {"rtol": 0.0, "atol": 4e-15}  # a quaternion holds a matrix to a few roundings
     if name in ROS and field == "v_NB":
         return {"rtol": 0.0, "atol": 2e-14}  # in body axes: turned there and back, at a few m/s
-    if name in ROS and field in ("mag_uT", "mag_sigma_uT"):
+    if name in ROS and field in ("mag_uT", "mag_noise_uT"):
         return {"rtol": 5e-16, "atol": 0.0}  # in tesla, and squared: one rounding each way and step
     return {"rtol": 0.0, "atol": 0.0}
 

@@ -42,6 +42,19 @@ def test_lists_and_integers_become_read_only_floats():
             "row 0 has length 0.5",
         ),
         (lambda: checks.choice("method", "splin", ("spline", "auto")), ValueError, "Did you mean 'spline'"),
+        (
+            lambda: checks.choice(
+                "key", "gyro_dps", [f"{s}_{k}" for s in ("gyro", "mag") for k in range(50)]
+            ),
+            ValueError,
+            "^key must be one of 100 names, as 'gyro_[0-9].{,60}; got 'gyro_dps'",
+        ),
+        (
+            lambda: checks.whole_number("run", 1.5),
+            ValueError,
+            "run must be a whole number, 0 or more; got 1.5",
+        ),
+        (lambda: checks.whole_number("run", True), ValueError, "whole number"),
         (lambda: checks.same_length(np.zeros(3), v=np.zeros((2, 3))), ValueError, "got 2 rows for 3 stamps"),
         (lambda: Mount(p_BS=[0.1, np.nan, 0.0]), ValueError, "p_BS must be finite"),
     ],

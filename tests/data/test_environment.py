@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import date
+from datetime import date, datetime
 
 import numpy as np
 import pytest
@@ -11,10 +11,21 @@ from kreisel import Environment
 
 
 def test_a_place_has_its_gravity_field_and_declination() -> None:
-    seattle = Environment.at(47.6205, -122.3493, 0.0, date(2025, 4, 2))
-    # NOAA's calculator has 15.07 deg east there in 2025.25, to two digits.
-    assert np.rad2deg(seattle.declination) == pytest.approx(15.07, abs=0.01)
-    assert seattle.g_N[:2].tolist() == [0.0, 0.0] and -9.81 < seattle.g_N[2] < -9.80
+    antarctic = Environment.at(-80.0, 240.0, 0.0, date(2025, 1, 1))
+    # WMM2025_TEST_VALUES.txt: 68.78 deg east, 54698.2 nT; no small angle, and not the one of north and south mixed up.
+    assert np.rad2deg(antarctic.declination) == pytest.approx(68.78, abs=0.005)
+    assert np.linalg.norm(antarctic.field_N_uT) == pytest.approx(54.6982, abs=1e-4)
+    assert antarctic.g_N[:2].tolist() == [0.0, 0.0] and -9.832 < antarctic.g_N[2] < -9.830
+
+
+def test_a_day_is_needed_for_the_field_alone() -> None:
+    munich = Environment.at(48.0, 11.0, 500.0)
+    assert munich.field_N_uT is None and munich.declination is None
+    on_a_day = Environment.at(48.0, 11.0, 500.0, datetime(2026, 5, 1, 12, 30))
+    np.testing.assert_array_equal(munich.g_N, on_a_day.g_N)
+    np.testing.assert_array_equal(
+        on_a_day.field_N_uT, Environment.at(48.0, 11.0, 500.0, date(2026, 5, 1)).field_N_uT
+    )
 
 
 def test_without_a_horizontal_field_there_is_no_declination() -> None:
@@ -28,5 +39,5 @@ def test_places_and_days_that_are_none_are_refused() -> None:
         Environment.at(91.0, 0.0, 0.0, date(2026, 1, 1))
     with pytest.raises(ValueError, match="no magnetic model covers 1999-01-01"):
         Environment.at(48.0, 11.0, 0.0, date(1999, 1, 1))
-    with pytest.raises(TypeError, match=r"day must be a datetime\.date"):
+    with pytest.raises(TypeError, match="day must be of type date; got float"):
         Environment.at(48.0, 11.0, 0.0, 2026.5)

@@ -20,7 +20,7 @@ def recording(t0_ns=EPOCH_NS):
     mag[::2] = 20.0
     ones = np.ones((N, 3))
     return kreisel.ImuRecording(
-        MOTION.t, ones, 9.8 * ones, mag, t0_ns, "wrist", gyro_sigma=[1e-3, 2e-3, 3e-3]
+        MOTION.t, ones, 9.8 * ones, mag, t0_ns, "wrist", gyro_noise=[1e-3, 2e-3, 3e-3]
     )
 
 
@@ -54,7 +54,7 @@ def test_a_dataset_has_every_bit_and_says_what_it_is(data):
 def test_a_dataset_is_asked_by_axis_and_time():
     pytest.importorskip("xarray", reason="xarray is not installed: pip install kreisel[data]")
     dataset = recording().to_xarray()
-    assert float(dataset.gyro_sigma.sel(axis="y")) == 2e-3
+    assert float(dataset.gyro_noise.sel(axis="y")) == 2e-3
     assert float(dataset.accel.sel(t=0.05, method="nearest").sel(axis="z")) == 9.8
     assert dataset.time.values.astype("int64").tolist() == [EPOCH_NS + k * 10_000_000 for k in range(N)]
     assert "time" not in recording(t0_ns=0).to_xarray().coords

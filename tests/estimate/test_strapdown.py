@@ -127,6 +127,53 @@ def test_position_from_increments_without_dp_is_as_good_as_velocity_interpolates
     assert p < position
 
 
+# The Earth at 48 deg north, and a turntable that turns 8000 times as fast.
+TURNING = {"Earth": (0.0, 4.88e-5, 5.42e-5), "turntable": (0.2, -0.3, 0.5)}
+
+
+@pytest.fixture(params=TURNING)
+def turning(request):
+    """An IMU off the centre of a body in a frame that turns."""
+    return Imu(MOUNT, environment=Environment(omega_IN_N=TURNING[request.param]))
+
+
+@pytest.mark.parametrize(
+    ("case", "position", "velocity", "attitude"), [("A", 1e-4, 2e-5, 2e-7), ("B", 2e-10, 1e-10, 1e-11)]
+)
+def test_where_n_turns_rates_are_as_good_as_where_it_rests(
+    cases, turning, case, position, velocity, attitude
+):
+    body, _ = cases[case]
+    p, v, turn = apart(integrate(turning.ideal(body), body.at(MOUNT), turning.environment), body.at(MOUNT))
+    assert p < position
+    assert v < velocity
+    assert turn < attitude
+
+
+@pytest.mark.parametrize(("case", "without_dp"), [("A", 2e-7), ("B", 2e-12)])
+def test_where_n_turns_increments_return_the_trajectory_to_round_off(cases, turning, case, without_dp):
+    body, _ = cases[case]
+    increments = turning.increments(body)
+    p, v, turn = apart(integrate(increments, body.at(MOUNT), turning.environment), body.at(MOUNT))
+    # As in a frame that rests.
+    assert p < 2e-12
+    assert v < 1e-12
+    assert turn < 1e-13
+    bare = integrate(replace(increments, dp=None), body.at(MOUNT), turning.environment)
+    assert apart(bare, body.at(MOUNT))[0] < without_dp
+
+
+def test_where_n_turns_rates_and_accelerations_are_those_in_n(cases, turning):
+    body, _ = cases["B"]
+    sensor, inside = body.at(MOUNT), slice(10, -10)
+    for kind in ("ideal", "increments"):
+        back = integrate(getattr(turning, kind)(body), sensor, turning.environment)
+        # Slopes over 5 ms, as in a frame that rests.
+        np.testing.assert_allclose(back.a_NB[inside], sensor.a_NB[inside], atol=1e-9)
+        np.testing.assert_allclose(back.omega_NB_B[inside], sensor.omega_NB_B[inside], atol=1e-11)
+        np.testing.assert_allclose(back.alpha_NB_B[inside], sensor.alpha_NB_B[inside], atol=1e-9)
+
+
 def test_accelerations_and_rates_of_the_result_are_those_of_the_motion(cases):
     body, rates = cases["B"]
     sensor, inside = body.at(MOUNT), slice(10, -10)

@@ -154,3 +154,27 @@ def test_motion_that_shows_too_little_is_refused_by_axis() -> None:
         calibrate_mag(replace(RECORDING, mag_uT=None))
     with pytest.raises(ValueError, match="the recording none"):
         TRUE.apply(replace(RECORDING, mag_uT=None))
+
+
+@pytest.mark.parametrize(("rest", "found"), [(4.0, True), (0.0, False)])
+def test_slow_smooth_turning_is_no_rest(rest, found) -> None:
+    """As magnetometers are to be turned: below 35 deg/s, with no tremor, for two minutes."""
+    t = np.arange(6000) / 50.0
+    begun = np.clip((t - rest) / 3.0, 0.0, 1.0) ** 3 if rest else np.ones_like(t)
+    waves = np.sin(t[:, None] * [0.19, 0.31, 0.23] + [0.0, 1.0, 2.0])
+    R = exp_so3(1.3 * begun[:, None] * waves)
+    turns = 50.0 * log_so3(np.swapaxes(R[:-1], 1, 2) @ R[1:])
+    assert np.quantile(np.linalg.norm(turns, axis=1), 0.95) < np.deg2rad(35.0)
+    noise = np.random.default_rng(12).normal(size=(2, 6000, 3))
+    recording = ImuRecording(
+        t,
+        np.vstack([turns, turns[-1:]]) + 0.002 * noise[0] + TRUE.gyro.bias,
+        np.array([0.0, 0.0, G]) @ R + 0.02 * noise[1],
+    )
+    if found:
+        triad = calibrate_gyro(recording)
+        assert within(triad.bias, TRUE.gyro.bias, triad.bias_error)
+        assert (triad.bias_error < 5e-4).all()  # 0.002 rad/s, four seconds at 50 Hz: 1.4e-4
+    else:
+        with pytest.raises(ValueError, match="2 s of rest"):
+            calibrate_gyro(recording)

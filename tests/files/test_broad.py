@@ -65,6 +65,24 @@ def test_a_mat_file_becomes_recording_and_reference(tmp_path, variables, options
     check(kreisel.read(save(tmp_path / "trial.mat", variables, **options)), variables)
 
 
+@pytest.mark.parametrize("write", [save, save_hdf5])
+def test_poses_are_the_rows_that_the_cameras_saw_whole(tmp_path, variables, rng, write):
+    path = tmp_path / ("trial.mat" if write is save else "trial.hdf5")
+    assert kreisel.read(write(path, variables)).poses is None
+    with pytest.raises(ValueError, match="not poses"):
+        kreisel.read(path, kind="poses")
+    position = rng.normal(size=(N, 3))
+    position[20, 1] = np.nan
+    path.unlink()
+    poses = kreisel.read(write(path, variables | {"opt_pos": position}), kind="poses")
+    seen = np.setdiff1d(np.arange(N), [10, 11, 12, 13, 14, 20])
+    np.testing.assert_array_equal(poses.t, np.arange(N)[seen] / 250.0)
+    np.testing.assert_array_equal(poses.p_NB, position[seen])
+    assert poses.name == "trial" and poses.R_NB.shape == (N - 6, 3, 3)
+    with pytest.raises(ValueError, match="'opt_pos' must be"):
+        kreisel.read(write(tmp_path / ("short" + path.suffix), variables | {"opt_pos": position[:, :2]}))
+
+
 @pytest.mark.parametrize("rate_as_attribute", [True, False])
 def test_an_hdf5_file_holds_the_same(tmp_path, variables, rate_as_attribute):
     check(kreisel.read(save_hdf5(tmp_path / "trial.hdf5", variables, rate_as_attribute)), variables)

@@ -3,6 +3,7 @@
 import mpmath
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from kreisel.maths import kinematics
 from kreisel.maths.rotations import matrix_from_euler, matrix_from_quat_wxyz
@@ -90,18 +91,42 @@ def test_quaternions_of_any_length_give_body_rates():
     np.testing.assert_allclose(R, matrix_from_quat_wxyz(unit), atol=1e-15)
 
 
+def moved(r, R, omega, alpha, R_BS=None):
+    """What a lever arm makes of a body at rest in the origin that turns."""
+    still = np.zeros((len(R), 3))
+    return kinematics.motion_at(r, np.eye(3) if R_BS is None else R_BS, still, still, still, R, omega, alpha)
+
+
+def test_the_motion_of_a_sensor_is_that_of_plain_linear_algebra(rng):
+    R, R_BS = Rotation.random(7, rng).as_matrix(), Rotation.random(rng=rng).as_matrix()
+    r, p, v, a, omega, alpha = (rng.normal(size=(7, 3)) for _ in range(6))
+    ours = kinematics.motion_at(r[0], R_BS, p, v, a, R, omega, alpha)
+    theirs = (
+        p + R @ r[0],
+        v + np.einsum("nij,nj->ni", R, np.cross(omega, r[0])),
+        a + np.einsum("nij,nj->ni", R, np.cross(omega, np.cross(omega, r[0])) + np.cross(alpha, r[0])),
+        R @ R_BS,
+        omega @ R_BS,
+        alpha @ R_BS,
+    )
+    for x, y in zip(ours, theirs, strict=True):
+        # Sums of a few products of numbers of a few units.
+        np.testing.assert_allclose(x, y, atol=2e-14)
+
+
 def test_lever_arm_at_constant_rate_feels_omega_squared_r():
     R = np.eye(3)[None]
     omega, alpha = np.array([[0.0, 0.0, 3.0]]), np.zeros((1, 3))
     r = np.array([0.5, 0.0, 0.2])
-    np.testing.assert_allclose(kinematics.acceleration_at(r, R, omega, alpha), [[-4.5, 0.0, 0.0]])
-    np.testing.assert_allclose(kinematics.velocity_at(r, R, omega), [[0.0, 1.5, 0.0]])
+    _, v_N, a_N, *_ = moved(r, R, omega, alpha)
+    np.testing.assert_allclose(a_N, [[-4.5, 0.0, 0.0]])
+    np.testing.assert_allclose(v_N, [[0.0, 1.5, 0.0]])
 
 
 def test_lever_arm_under_angular_acceleration_feels_alpha_cross_r():
     R = np.array([[[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]])  # nose to the north
     alpha = np.array([[0.0, 0.0, 2.0]])
-    a_N = kinematics.acceleration_at(np.array([1.0, 0.0, 0.0]), R, np.zeros((1, 3)), alpha)
+    a_N = moved(np.array([1.0, 0.0, 0.0]), R, np.zeros((1, 3)), alpha)[2]
     # In B it is 2 m/s^2 to the left; left of north is west.
     np.testing.assert_allclose(a_N, [[-2.0, 0.0, 0.0]], atol=1e-15)
 

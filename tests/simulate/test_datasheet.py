@@ -35,11 +35,20 @@ BY_HAND = [
     ("accel_lsb_per_g", 2048.0, "step", 4.78840332e-3),
     ("accel_resolution_mg", 0.488, "step", 4.7856452e-3),
     ("gyro_bandwidth_hz", 330.0, "bandwidth", 330.0),
+    # A gauss is 100 microtesla.
+    ("mag_noise_uT_rthz", 1.41421356237, "white_noise", 1.0),
+    ("mag_noise_ugauss_rthz", 14142.1356237, "white_noise", 1.0),
+    ("mag_turn_on_bias_uT", 3.0, "turn_on_bias", 3.0),
+    ("mag_turn_on_bias_mgauss", 20.0, "turn_on_bias", 2.0),
+    ("mag_range_gauss", 1.9, "limit", 190.0),
+    ("mag_range_uT", 4900.0, "limit", 4900.0),
+    ("mag_resolution_uT", 0.15, "step", 0.15),
+    ("mag_resolution_mgauss", 0.25, "step", 0.025),
 ]
 
 
 def of(values, name):
-    return dict(zip(("gyro", "accel"), triads(values), strict=True))[name.split("_")[0]]
+    return getattr(triads(values), name.split("_")[0])
 
 
 @pytest.mark.parametrize(("name", "value", "quantity", "expected"), BY_HAND, ids=[row[0] for row in BY_HAND])
@@ -52,23 +61,33 @@ def test_units(name, value, quantity, expected):
 
 def test_noise_in_a_band():
     """0.1 deg/s RMS in 50 Hz: the variance is density^2 * 50 one-sided, N^2 * 100 two-sided."""
-    triad, _ = triads({"gyro_noise_rms_deg_per_s": 0.1, "gyro_noise_bandwidth_hz": 50.0})
+    triad, _, _ = triads({"gyro_noise_rms_deg_per_s": 0.1, "gyro_noise_bandwidth_hz": 50.0})
     np.testing.assert_allclose(triad.noise.white_noise, np.deg2rad(0.01), rtol=1e-12)
-    peaks, _ = triads({"gyro_noise_peak_to_peak_deg_per_s": 0.66, "gyro_noise_bandwidth_hz": 50.0})
+    peaks, _, _ = triads({"gyro_noise_peak_to_peak_deg_per_s": 0.66, "gyro_noise_bandwidth_hz": 50.0})
     np.testing.assert_allclose(peaks.noise.white_noise, np.deg2rad(0.01), rtol=1e-12)
+    _, _, mag = triads({"mag_noise_rms_mgauss": 2.0, "mag_noise_bandwidth_hz": 50.0})
+    np.testing.assert_allclose(mag.noise.white_noise, 0.02, rtol=1e-12)
 
 
 def test_bits_share_the_range():
-    triad, _ = triads({"gyro_bits": 16, "gyro_range_deg_per_s": 2000.0})
+    triad, _, _ = triads({"gyro_bits": 16, "gyro_range_deg_per_s": 2000.0})
     np.testing.assert_allclose(triad.step, np.deg2rad(4000.0 / 65536.0))
 
 
 def test_a_datasheet_that_states_both_agrees_with_itself():
     """ADIS16470: 0.008 deg/s/sqrt(Hz) on page 1, 0.34 deg/sqrt(h) in table 1; densities are one-sided."""
-    density, _ = triads({"gyro_noise_deg_per_s_rthz": 0.008})
-    walk, _ = triads({"gyro_arw_deg_per_rth": 0.34})
+    density, _, _ = triads({"gyro_noise_deg_per_s_rthz": 0.008})
+    walk, _, _ = triads({"gyro_arw_deg_per_rth": 0.34})
     # Both are printed with one or two digits.
     np.testing.assert_allclose(density.noise.white_noise, walk.noise.white_noise, rtol=0.01)
+
+
+def test_rms_noise_stated_beside_a_density_tells_its_reading():
+    """BMI088: 0.014 deg/s/sqrt(Hz) and 0.1 deg/s RMS at a bandwidth of 47 Hz."""
+    density, _, _ = triads({"gyro_noise_deg_per_s_rthz": 0.014})
+    rms, _, _ = triads({"gyro_noise_rms_deg_per_s": 0.1, "gyro_noise_bandwidth_hz": 47.0})
+    # 0.1 is printed with one digit: up to 5 % off. Read as two-sided the two would be 41 % apart.
+    np.testing.assert_allclose(density.noise.white_noise, rms.noise.white_noise, rtol=0.05)
 
 
 @pytest.mark.parametrize(
@@ -83,7 +102,7 @@ def test_a_datasheet_that_states_both_agrees_with_itself():
         ({"accel_noise_ug_rthz": -1.0}, r"accel_noise_ug_rthz must be 0 or more, ug/sqrt\(Hz\)"),
         ({"gyro_range_deg_per_s": 0.0}, "gyro_range_deg_per_s must be"),
         ({"gyro_bandwidth_hz": (1.0, 2.0, 3.0)}, "gyro_bandwidth_hz must be one number"),
-        ({"gyro_misalignment_deg": 30.0}, "sigma must be from 0 to 0.1, rad"),
+        ({"gyro_misalignment_deg": 30.0}, "gyro_misalignment_deg must be from 0 to 5.72958, deg"),
     ],
 )
 def test_bad_values_are_refused_by_name(values, message):

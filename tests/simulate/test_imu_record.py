@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kreisel import discovery
+from kreisel import DcmFilter, allan, calibrate_mag, discovery, integrate, run
 from kreisel.data.environment import Environment
 from kreisel.data.motion import Mount
 from kreisel.data.temperature import TemperatureHistory
@@ -192,11 +192,49 @@ def test_memory_above_the_output(clock: Clock, rng: np.random.Generator) -> None
             lambda: Imu(temperature=TemperatureHistory([0.0, 20.0], [1.0, 2.0])).record(MOTION, 1),
             "temperature must cover the motion, from 0 to 29.995 s; it covers 0 to 20 s",
         ),
+        (lambda: Imu().record(MOTION, 1, run=-1), "run must be a whole number, 0 or more; got -1"),
+        (
+            lambda: Imu(clock=Clock(gyro=Sampling(latency=29.0, window=1.0))).record(MOTION, 1),
+            "latency and window, 30 s together, reach back beyond the whole motion of 29.995 s",
+        ),
         (lambda: TemperatureHistory([0.0, 1.0], [1.0]), "temperature_degC must have one row per time stamp"),
     ],
 )
 def test_bad_input(make, message: str) -> None:
     with pytest.raises(ValueError, match=message):
+        make()
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        # A class has an `idle` that is no False: the sensor would be a perfect one.
+        (
+            lambda: Imu(gyro_effects=[WhiteNoise]),
+            "gyro_effects must be a list of effects.*got the class WhiteNoise",
+        ),
+        (lambda: Imu(accel_effects=WhiteNoise(1e-3)), "accel_effects must be a list of .*; got WhiteNoise"),
+        (lambda: Imu(gyro_effects=[1e-3]), "gyro_effects must be .*got float"),
+        (lambda: Imu(gyro_effects=None), "gyro_effects must be .*got NoneType"),
+        (
+            lambda: Imu(temperature=([0.0, 1.0], [20.0, 30.0])),
+            "temperature must be of type TemperatureHistory",
+        ),
+        (lambda: Imu(clock=1e-4), "clock must be of type Clock"),
+        (lambda: allan(Imu().record(MOTION, 1)), "recording must be .*got Recorded.*take .measured"),
+        (lambda: calibrate_mag(MOTION), "recording must be .*got Motion"),
+        (
+            lambda: run(DcmFilter(), Imu().record(MOTION, 1)),
+            "recording must be .*got Recorded.*take .measured",
+        ),
+        (
+            lambda: integrate(Imu().record(MOTION, 1), MOTION),
+            "recording must be .*got Recorded.*take .measured",
+        ),
+    ],
+)
+def test_things_of_another_kind_are_named(make, message: str) -> None:
+    with pytest.raises(TypeError, match=message):
         make()
 
 
@@ -228,6 +266,6 @@ def test_the_recording_says_how_large_the_white_noise_of_a_sample_is() -> None:
     )
     measured = imu.record(MOTION, 1).measured
     # Per axis the root of the sum of squares, density sqrt(rate): 200 Hz, and 20 Hz for the magnetometer.
-    np.testing.assert_allclose(measured.gyro_sigma, 1e-3 * np.sqrt([200.0, 200.0, 400.0]), rtol=1e-9)
-    np.testing.assert_allclose(measured.mag_sigma_uT, 0.1 * np.sqrt(20.0), rtol=1e-9)
-    assert measured.accel_sigma is None
+    np.testing.assert_allclose(measured.gyro_noise, 1e-3 * np.sqrt([200.0, 200.0, 400.0]), rtol=1e-9)
+    np.testing.assert_allclose(measured.mag_noise_uT, 0.1 * np.sqrt(20.0), rtol=1e-9)
+    assert measured.accel_noise is None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import fields
+from datetime import date
 from inspect import signature
 from pathlib import Path
 
@@ -14,16 +15,32 @@ import pytest
 from kreisel import discovery
 from kreisel.data.environment import Environment
 from kreisel.data.motion import Mount
+from kreisel.data.segment import Segment
 from kreisel.data.trajectory import Poses
+from kreisel.data.waypoint import Waypoint
 from kreisel.files.doors import write
 from kreisel.maths.rotations import matrix_from_euler
 from kreisel.simulate.imu import Imu
 from kreisel.simulate.trajectories.functions import FunctionTrajectory
 from kreisel.simulate.trajectories.lissajous import lissajous
 from kreisel.simulate.vocabulary import FUNCTIONS
-from kreisel.study.building import TRAJECTORIES, build, declination, trajectory_kinds
+from kreisel.study.building import (
+    DISTURBANCES,
+    TRAJECTORIES,
+    build,
+    declination,
+    disturbance_kinds,
+    trajectory_kinds,
+)
 from kreisel.study.run import run
-from kreisel.study.scenario import EnvironmentRecipe, FilterRecipe, ImuRecipe, Scenario, TrajectoryRecipe
+from kreisel.study.scenario import (
+    DisturbanceRecipe,
+    EnvironmentRecipe,
+    FilterRecipe,
+    ImuRecipe,
+    Scenario,
+    TrajectoryRecipe,
+)
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "scenarios"
 CIRCLE = TrajectoryRecipe("circle", {"radius": 2.0, "period": 10.0})
@@ -50,7 +67,10 @@ def test_recordings_are_those_of_the_parts_put_together_by_hand():
     assert result.motion.p_NB.tobytes() == motion.p_NB.tobytes()
 
 
-@pytest.mark.parametrize("name", ["figure_1.toml", "expressions.toml"])
+SAME_BITS = ["figure_1.toml", "expressions.toml", "past_iron.toml", "drone.toml", "round_the_block.toml"]
+
+
+@pytest.mark.parametrize("name", SAME_BITS)
 def test_a_scenario_and_the_one_read_back_give_the_same_bits(name):
     scenario = Scenario.load(EXAMPLES / name)
     first, second = run(scenario), run(Scenario.from_toml(scenario.to_toml()))
@@ -60,6 +80,16 @@ def test_a_scenario_and_the_one_read_back_give_the_same_bits(name):
     for one, other in zip(first.estimates, second.estimates, strict=True):
         assert one.attitude.R_NS.tobytes() == other.attitude.R_NS.tobytes()
     assert json.dumps(first.report()) == json.dumps(second.report())
+
+
+def test_a_heading_that_nothing_tells_can_be_left_out_of_the_errors():
+    turned = TrajectoryRecipe("rest", {"phi": (0.1, 0.2, 1.0)})
+    filters = (FilterRecipe("dcm", name="as it is"), FilterRecipe("dcm", name="aligned", align="heading"))
+    as_it_is, aligned = (e.summary for e in run(Scenario(turned, 5.0, 100.0, filters=filters)).estimates)
+    assert as_it_is.heading_rmse_deg > 10.0
+    # At rest the answer stays where it began: nothing but the offset is wrong.
+    assert aligned.heading_rmse_deg < 1e-6
+    assert abs(aligned.heading_offset_deg) == pytest.approx(as_it_is.heading_rmse_deg)
 
 
 def test_a_trajectory_of_functions_runs_too():
@@ -104,7 +134,9 @@ def test_every_kind_of_trajectory_is_offered():
     }
 
 
-@pytest.mark.parametrize("kind", sorted(set(trajectory_kinds()) - {"expressions", "file"}))
+@pytest.mark.parametrize(
+    "kind", sorted(set(trajectory_kinds()) - {"expressions", "file", "profile", "waypoints"})
+)
 def test_a_kind_runs_with_its_defaults(kind):
     result = run(Scenario(TrajectoryRecipe(kind), 0.5, 50.0))
     assert len(result.recordings[0]) == 26
@@ -114,13 +146,19 @@ DOCS = (Path(__file__).resolve().parents[2] / "docs" / "scenarios.md").read_text
 
 
 def test_the_docs_have_every_key_kind_and_function():
-    recipes = (Scenario, ImuRecipe, EnvironmentRecipe)
-    keys = {f.name for recipe in recipes for f in fields(recipe)} - {"imus", "filters", "folder"}
+    recipes = (Scenario, ImuRecipe, EnvironmentRecipe, Waypoint, Segment)
+    keys = {f.name for recipe in recipes for f in fields(recipe)} - {
+        "imus",
+        "filters",
+        "disturbances",
+        "folder",
+    }
     makers = [
         getattr(discovery.load(TRAJECTORIES, kind), kind) for kind in set(trajectory_kinds()) - {"file"}
     ]
+    makers += [discovery.load(DISTURBANCES, kind).DISTURBANCE for kind in disturbance_kinds()]
     parameters = {name for make in makers for name in signature(make).parameters}
-    words = {*keys, *parameters, *trajectory_kinds(), *FUNCTIONS}
+    words = {*keys, *parameters, *trajectory_kinds(), *disturbance_kinds(), *FUNCTIONS}
     assert [word for word in sorted(words) if not re.search(rf"[`\[]{word}[`(\]]", DOCS)] == []
 
 
@@ -203,6 +241,38 @@ def test_filters_are_told_the_declination_and_find_the_heading():
     # Nothing but the first sample's round-off stands between a noise-free start and the truth.
     assert told.summary.total_max_deg < 0.01
     assert untold.summary.heading_rmse_deg == pytest.approx(np.rad2deg(np.arctan2(5.0, 20.0)), abs=0.01)
+
+
+MUNICH = EnvironmentRecipe(
+    latitude_deg=48.14, longitude_deg=11.58, height_m=520.0, date="2026-05-01", turning=True
+)
+
+
+def test_at_a_place_filters_are_told_its_declination():
+    filters = (FilterRecipe("dcm"), FilterRecipe("dcm", {"declination": 0.0}, "untold"))
+    scenario = Scenario(TrajectoryRecipe("rest"), 10.0, 100.0, environment=MUNICH, filters=filters)
+    result = run(scenario)
+    there = Environment.at(48.14, 11.58, 520.0, date(2026, 5, 1)).declination
+    assert declination(MUNICH) == there
+    told, untold = result.estimates
+    # 15 deg/h times 10 s are 0.04 deg, of which a filter that takes N for inertial follows the magnetometer's share.
+    assert told.summary.total_max_deg < 0.05
+    assert untold.summary.heading_rmse_deg == pytest.approx(np.rad2deg(there), abs=0.05)
+    np.testing.assert_allclose(np.linalg.norm(result.recordings[0].gyro, axis=1), 7.292115e-5, rtol=1e-12)
+    reported = json.loads(json.dumps(result.report(), allow_nan=False))["scenario"]["environment"]
+    assert reported["date"] == "2026-05-01" and reported["turning"] is True
+    assert reported["gravity"] == pytest.approx(9.8074, abs=1e-4)
+    assert np.linalg.norm(reported["field_N_uT"]) == pytest.approx(48.8, abs=0.1)
+
+
+def test_a_perfect_imu_in_a_disturbed_world_comes_with_the_truth_of_it():
+    step = DisturbanceRecipe("step", {"field_N_uT": (3.0, 0.0, 0.0), "start": 0.5})
+    world = EnvironmentRecipe(field_N_uT=FIELD, disturbances=(step,))
+    result = run(Scenario(CIRCLE, 1.0, 100.0, environment=world))
+    (recorded,) = result.recorded
+    np.testing.assert_array_equal(recorded.disturbance_N_uT[:, 0], np.where(result.motion.t < 0.5, 0.0, 3.0))
+    np.testing.assert_array_equal(result.recordings[0].mag_uT, recorded.ideal.mag_uT)
+    assert not run(Scenario(CIRCLE, 1.0, 100.0, environment=EnvironmentRecipe(field_N_uT=FIELD))).recorded
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import pickle
 import subprocess
 import sys
@@ -12,10 +13,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from kreisel.data.environment import Environment
 from kreisel.data.trajectory import Poses
 from kreisel.files.doors import write
 from kreisel.simulate.trajectories.functions import FunctionTrajectory
+from kreisel.study.building import surroundings
 from kreisel.study.scenario import (
+    DisturbanceRecipe,
     EnvironmentRecipe,
     FilterRecipe,
     ImuRecipe,
@@ -37,7 +41,19 @@ def test_a_short_file_has_defaults_for_the_rest():
     scenario = read(SOUND + CIRCLE)
     assert scenario == Scenario(TrajectoryRecipe("circle"), 1.0, 100.0)
     assert scenario.imus == (ImuRecipe("imu", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),)
-    assert scenario.environment == EnvironmentRecipe(9.80665, None, None)
+    assert scenario.environment == EnvironmentRecipe()
+    np.testing.assert_array_equal(surroundings(scenario.environment).g_N, [0.0, 0.0, -9.80665])
+
+
+def test_a_filter_says_which_offsets_do_not_count():
+    text = (
+        SOUND + CIRCLE + '[[filter]]\nkind = "dcm"\nmode = "6"\nalign = "heading"\nclock_offset = "estimate"'
+    )
+    scenario = read(text)
+    assert scenario.filters == (FilterRecipe("dcm", {"mode": "6"}, "", "heading", "estimate"),)
+    assert read(scenario.to_toml()) == scenario
+    with pytest.raises(ValueError, match="clock_offset must be a finite number"):
+        FilterRecipe("dcm", clock_offset=float("nan"))
 
 
 def test_a_full_file_is_read_as_it_stands():
@@ -56,6 +72,35 @@ def test_a_full_file_is_read_as_it_stands():
         (ImuRecipe("a", (1.0, 0.0, 0.0)), ImuRecipe("b", rotation_deg=(0.0, 0.0, 90.0))),
         EnvironmentRecipe(9.81, (0.0, 20.0, -44.0), 3.0),
     )
+
+
+def test_a_place_a_date_and_what_disturbs_the_field_there():
+    scenario = read(
+        SOUND + CIRCLE + MUNICH + "height_m = 520\ndate = 2026-05-01\nturning = true\n" + STEP + "end = 0.7\n"
+    )
+    step = DisturbanceRecipe("step", {"field_N_uT": (3, 0, 0), "start": 0.5, "end": 0.7})
+    expected = EnvironmentRecipe(
+        latitude_deg=48.14,
+        longitude_deg=11.58,
+        height_m=520.0,
+        date="2026-05-01",
+        turning=True,
+        disturbances=(step,),
+    )
+    assert scenario.environment == expected
+    found = surroundings(scenario.environment)
+    there = Environment.at(48.14, 11.58, 520.0, datetime.date(2026, 5, 1), turning=True)
+    for name in ("g_N", "field_N_uT", "omega_IN_N"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(there, name))
+    assert found.disturbances[0].span == (0.5, 0.7)
+
+
+def test_what_is_given_goes_before_what_the_place_has():
+    recipe = EnvironmentRecipe(9.81, (0.0, 20.0, -44.0), latitude_deg=48.0, longitude_deg=11.0, turning=True)
+    found = surroundings(recipe)
+    np.testing.assert_array_equal(found.g_N, [0.0, 0.0, -9.81])
+    np.testing.assert_array_equal(found.field_N_uT, [0.0, 20.0, -44.0])
+    assert found.omega_IN_N.any()
 
 
 def test_one_imu_may_be_a_single_table():
@@ -83,6 +128,31 @@ TRAJECTORIES = st.one_of(
     ),
     st.builds(TrajectoryRecipe, st.just("line"), st.fixed_dictionaries({"velocity": VECTORS})),
 )
+# Disturbances that act within any run: they are always there, or begin before it and stay.
+DISTURBANCES = st.lists(
+    st.builds(
+        DisturbanceRecipe,
+        st.just("dipole"),
+        st.fixed_dictionaries({"p_ND": st.just((0, 1e7, 0)), "moment_N": VECTORS}),
+    )
+    | st.builds(
+        DisturbanceRecipe,
+        st.sampled_from(["step", "drift"]),
+        st.fixed_dictionaries({"field_N_uT": VECTORS, "start": st.just(-1e7), "end": st.just(1e7)}),
+    ),
+    max_size=3,
+).map(tuple)
+PLACES = st.builds(
+    EnvironmentRecipe,
+    st.none() | NUMBERS,
+    declination_deg=st.none() | NUMBERS,
+    latitude_deg=st.floats(-90.0, 90.0),
+    longitude_deg=st.floats(-180.0, 360.0),
+    height_m=st.none() | st.floats(-1000.0, 1e5),
+    date=st.dates(datetime.date(2010, 1, 1), datetime.date(2029, 12, 31)),
+    turning=st.booleans(),
+    disturbances=DISTURBANCES,
+)
 SCENARIOS = st.builds(
     Scenario,
     TRAJECTORIES,
@@ -94,7 +164,7 @@ SCENARIOS = st.builds(
     st.lists(st.builds(ImuRecipe, NAMES, VECTORS, VECTORS), unique_by=lambda i: i.name, max_size=3).map(
         tuple
     ),
-    st.builds(EnvironmentRecipe, NUMBERS, st.none() | VECTORS, st.none() | NUMBERS),
+    st.builds(EnvironmentRecipe, NUMBERS, st.none() | VECTORS, st.none() | NUMBERS) | PLACES,
 )
 
 
@@ -128,6 +198,10 @@ def test_functions_stay_in_python():
 
 
 EXPRESSIONS = SOUND + '[trajectory]\nkind = "expressions"\n'
+
+MUNICH = "[environment]\nlatitude_deg = 48.14\nlongitude_deg = 11.58\n"
+FIELD = "[environment]\nfield_N_uT = [0, 20, -44]\n"
+STEP = '[[environment.disturbance]]\nkind = "step"\nfield_N_uT = [3, 0, 0]\nstart = 0.5\n'
 
 MISTAKES = [
     ("", "s.toml: trajectory is missing"),
@@ -198,8 +272,88 @@ MISTAKES = [
         SOUND + CIRCLE + "[environment]\nfield_N_uT = 3",
         "s.toml: environment.field_N_uT must be a list; got 3.",
     ),
+    (
+        SOUND + CIRCLE + "[environment]\nlatitude_deg = 48",
+        "s.toml: environment: a place needs both latitude_deg and longitude_deg",
+    ),
+    (
+        SOUND + CIRCLE + "[environment]\nlatitude_deg = 91\nlongitude_deg = 0",
+        "s.toml: environment: latitude_deg must be one number, from -90 to 90, deg; got 91.0.",
+    ),
+    (
+        SOUND + CIRCLE + "[environment]\nlatitud_deg = 48",
+        "s.toml: environment.latitud_deg is unknown; did you mean 'latitude_deg'?",
+    ),
+    (
+        SOUND + CIRCLE + "[environment]\ndate = 2026-05-01",
+        "s.toml: environment: date says nothing without a place; give latitude_deg and longitude_deg.",
+    ),
+    (
+        SOUND + CIRCLE + "[environment]\nturning = true",
+        "s.toml: environment: turning says nothing without a place",
+    ),
+    (
+        SOUND + CIRCLE + "[environment]\nturning = 1",
+        "s.toml: environment.turning must be true or false; got 1.",
+    ),
+    (
+        SOUND + CIRCLE + MUNICH + "date = 1999-01-01",
+        "s.toml: environment.date: no magnetic model covers 1999-01-01: the World Magnetic Models",
+    ),
+    (
+        SOUND + CIRCLE + MUNICH + 'date = "1.5.2026"',
+        "s.toml: environment: date must be a date, such as 2026-05-01; got '1.5.2026'.",
+    ),
+    (
+        SOUND + CIRCLE + MUNICH + "date = 2026-05-01T12:00:00",
+        "s.toml: environment: date must be a date, such as 2026-05-01; got '2026-05-01 12:00:00'.",
+    ),
+    (
+        SOUND + CIRCLE + MUNICH + "date = 2026-05-01\nfield_N_uT = [0, 20, -44]",
+        "s.toml: environment: date and field_N_uT both say what the magnetic field is",
+    ),
+    (
+        SOUND + CIRCLE + MUNICH + STEP,
+        "s.toml: environment: there is no magnetic field to disturb; give field_N_uT",
+    ),
+    (
+        SOUND + CIRCLE + FIELD + "disturbances = []",
+        "s.toml: environment.disturbances is unknown; did you mean",
+    ),
+    (SOUND + CIRCLE + FIELD + "disturbance = 3", "s.toml: environment.disturbance must be tables [["),
+    (
+        SOUND + CIRCLE + FIELD + '[[environment.disturbance]]\nkind = "dipol"',
+        "s.toml: environment.disturbance[0].kind 'dipol' is unknown; did you mean 'dipole'?",
+    ),
+    (
+        SOUND + CIRCLE + FIELD + STEP + '[[environment.disturbance]]\nkind = "dipole"\np_nd = [1, 2, 3]',
+        "s.toml: environment.disturbance[1].p_nd is unknown; did you mean 'p_ND'?",
+    ),
+    (
+        SOUND
+        + CIRCLE
+        + FIELD
+        + '[[environment.disturbance]]\nkind = "dipole"\np_ND = [1, 2]\nmoment_N = [0, 0, 1]',
+        "s.toml: environment.disturbance[0]: p_ND must be three finite numbers, m in N; got [1.0, 2.0].",
+    ),
+    (
+        SOUND + CIRCLE + FIELD + STEP + "end = 0.1",
+        "s.toml: environment.disturbance[0]: end must be after start, 0.5 s; got 0.1 s.",
+    ),
+    (
+        SOUND + CIRCLE + FIELD + STEP.replace("0.5", "5"),
+        "s.toml: environment.disturbance[0] acts from 5 to inf s, and the run lasts from 0 to 1 s.",
+    ),
     (SOUND + CIRCLE + '[[filter]]\nkind = "nope"', "s.toml: filter[0].kind 'nope' is unknown"),
     (SOUND + CIRCLE + "[[filter]]\nmode = 6", "s.toml: filter[0].kind is missing."),
+    (
+        SOUND + CIRCLE + '[[filter]]\nkind = "dcm"\nalign = "north"',
+        "s.toml: filter[0].align must be 'heading'",
+    ),
+    (
+        SOUND + CIRCLE + '[[filter]]\nkind = "dcm"\nclock_offset = "x"',
+        "s.toml: filter[0].clock_offset must be",
+    ),
     ("duration = -1\nrate_hz = 1\n" + CIRCLE, "s.toml: duration must be above 0; got -1.0."),
     ("duration = 1\nrate_hz = 0\n" + CIRCLE, "s.toml: rate_hz must be above 0; got 0.0."),
     ("duration = 1e9\nrate_hz = 1000\n" + CIRCLE, "s.toml: 1e+09 s at 1000 Hz are 1e+12 samples"),

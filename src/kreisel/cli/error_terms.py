@@ -10,7 +10,7 @@ import numpy as np
 
 from kreisel.atomic import replacing
 from kreisel.data.checks import Array
-from kreisel.data.frames import from_enu_flu
+from kreisel.data.frames import WORLDS, from_enu_flu
 from kreisel.simulate.recorded import Recorded
 
 
@@ -18,7 +18,8 @@ def write_error_terms(path: Path, recorded: Recorded, world: str) -> None:
     """Write the ideal readings, the biases and every error term of `recorded` to an NPZ archive, in `world`.
 
     Its arrays: t; ideal_SENSOR and SENSOR_error_EFFECT (n, 3), where SENSOR is gyro, accel or mag_uT and EFFECT
-    the name of an effect; gyro_bias and accel_bias, sums of the errors that are biases; seed.
+    the name of an effect; gyro_bias and accel_bias, sums of the errors that are biases; disturbance_N_uT (n, 3),
+    what the world added to the magnetic field, in N, where it did; seed.
     """
     arrays: dict[str, Any] = {"t": recorded.ideal.t}
     errors = {
@@ -32,6 +33,8 @@ def write_error_terms(path: Path, recorded: Recorded, world: str) -> None:
     for effect in dict.fromkeys(name for terms in errors.values() for name in terms):
         terms = {s: errors[s][effect] for s in sensors if effect in errors[s]}
         arrays |= {f"{sensor}_error_{effect}": x for sensor, x in _turned(recorded, terms, world).items()}
+    if recorded.disturbance_N_uT is not None:
+        arrays["disturbance_N_uT"] = WORLDS[world].nav.to_theirs(recorded.disturbance_N_uT)
     with replacing(path) as out:
         np.savez(out, allow_pickle=False, **arrays, seed=np.array(recorded.seed))
 

@@ -18,6 +18,7 @@ from kreisel.files.doors import suffix, write
 
 if TYPE_CHECKING:
     from kreisel.data.recording import ImuRecording
+    from kreisel.evaluate.attitude_errors import Summary
     from kreisel.simulate.imu import Imu
     from kreisel.simulate.recorded import Recorded
 
@@ -250,6 +251,20 @@ def describe_round_trip(imu: Imu, motion: Motion) -> list[str]:
         errors = round_trip(recording, truth, imu.environment)
         p, v, turn = (float(x.max()) for x in (errors.position, errors.velocity, errors.attitude))
         lines.append(f"{imu.mount.name} {kind}  {p:.2g} m, {v:.2g} m/s, {np.rad2deg(turn):.2g} deg")
+    return lines
+
+
+def removed(summary: Summary) -> list[str]:
+    """A sentence for every offset that was removed before errors were counted."""
+    lines = []
+    if summary.heading_offset_deg is not None:
+        lines.append(f"removed: heading offset of {summary.heading_offset_deg:.4g} deg")
+    for name, offset in (("frame", summary.frame_offset_deg), ("sensor", summary.sensor_offset_deg)):
+        if offset is not None:
+            parts = ", ".join(f"{angle:.4g}" for angle in offset)
+            lines.append(f"removed: turn of the {name} by the rotation vector ({parts}) deg")
+    if summary.clock_offset_s:
+        lines.append(f"removed: clock offset of {summary.clock_offset_s:.6g} s")
     return lines
 
 

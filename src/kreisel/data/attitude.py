@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.data.checks import Array, finite, increasing, rotations, same_length, shaped
+from kreisel.data.checks import Array, finite, increasing, read_only, rotations, same_length, shaped
+from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.motion import Mount
 from kreisel.data.tables import Tabular
+from kreisel.maths.kinematics import linear_acceleration
 from kreisel.maths.rotations import euler_from_matrix, quat_wxyz_from_matrix
 
 if TYPE_CHECKING:
@@ -19,8 +21,14 @@ if TYPE_CHECKING:
 Mask = npt.NDArray[np.bool_]
 
 
+class _MadeLater:
+    """Keeps what the acceleration of a history is made of."""
+
+    __slots__ = ("_accel",)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
-class AttitudeHistory(Tabular):
+class AttitudeHistory(_MadeLater, Tabular):
     """Attitude of a sensor (or body) in N over time; everything after R_NS is optional.
 
     A user's own answer is `AttitudeHistory(t=t, R_NS=R)`.
@@ -50,6 +58,44 @@ class AttitudeHistory(Tabular):
         columns = ("R_NS", "gyro_bias", "a_N", "sigma", "rest", "disturbed", "held")
         same_length(self.t, **{name: getattr(self, name) for name in columns})
         put(self, "t0_ns", int(self.t0_ns))
+
+    @classmethod
+    def trusted(
+        cls,
+        t: Array,
+        R_NS: Array,
+        gyro_bias: Array,
+        accel: Array,
+        flags: tuple[Mask, Mask, Mask],
+        t0_ns: int,
+        name: str,
+    ) -> AttitudeHistory:
+        """What a filter made of a recording, taken as it is: the checks would cost as much as a third of its steps.
+
+        The arrays are what they must be by construction: read-only, of one length, rotations to 1e-12, the stamps of
+        a recording. accel (n, 3) m/s^2 is the recording's, from which a_N is made when it is first asked for.
+        """
+        history, put = object.__new__(cls), object.__setattr__
+        put(history, "t", t)
+        put(history, "R_NS", R_NS)
+        put(history, "gyro_bias", gyro_bias)
+        put(history, "sigma", None)
+        for mask, values in zip(("rest", "disturbed", "held"), flags, strict=True):
+            put(history, mask, values)
+        put(history, "t0_ns", t0_ns)
+        put(history, "name", name)
+        put(history, "_accel", accel)
+        return history
+
+    # Python asks here for what is nowhere else: the place of a_N, which `trusted` leaves empty.
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Array:
+            if name != "a_N":
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            a_N = read_only(linear_acceleration(self.R_NS, self._accel, STANDARD_GRAVITY))
+            object.__setattr__(self, "a_N", a_N)
+            return a_N
 
     def __len__(self) -> int:
         return len(self.t)

@@ -6,6 +6,7 @@ received, what to do.
 
 from __future__ import annotations
 
+import operator
 import re
 import warnings
 from collections.abc import Callable, Sequence
@@ -199,10 +200,25 @@ def finite_number(name: str, value: Any, above: float | None = None, zero: bool 
     return x
 
 
+def whole_number(name: str, value: Any) -> int:
+    """`value` as an int, or a ValueError for what is no whole number, 0 or more."""
+    try:
+        number = -1 if isinstance(value, bool) else operator.index(value)
+    except TypeError:
+        number = -1
+    if number < 0:
+        raise ValueError(f"{name} must be a whole number, 0 or more; got {value!r:.60}.")
+    return number
+
+
 def instance(name: str, value: Any, kind: type[Any], cure: str) -> None:
     """Refuse what is not of `kind`; `cure` is how to come by one."""
     if not isinstance(value, kind):
         raise TypeError(f"{name} must be of type {kind.__name__}; got {type(value).__name__}. {cure}")
+
+
+# A longer list of options would bury the one that was meant.
+_MOST_SHOWN = 24
 
 
 def choice(name: str, value: Any, options: Sequence[str]) -> str:
@@ -214,7 +230,12 @@ def choice(name: str, value: Any, options: Sequence[str]) -> str:
     begun = [option for option in options if value and option.startswith(str(value))]
     near = begun or difflib.get_close_matches(str(value), options, n=1)
     hint = f" Did you mean {near[0]!r}?" if near else ""
-    raise ValueError(f"{name} must be one of {', '.join(map(repr, options))}; got {value!r}.{hint}")
+    shown = options
+    if len(options) > _MOST_SHOWN:
+        close = dict.fromkeys([*near, *difflib.get_close_matches(str(value), options, n=4, cutoff=0.4)])
+        shown = list(close) or options[:_MOST_SHOWN]
+    among = "one of" if shown is options else f"one of {len(options)} names, as"
+    raise ValueError(f"{name} must be {among} {', '.join(map(repr, shown))}; got {value!r}.{hint}")
 
 
 LARGEST = float(np.finfo(np.float64).max)
@@ -243,6 +264,23 @@ def _between(lowest: float, highest: float) -> str:
     if highest < LARGEST:
         return f"from {lowest:g} to {highest:g}"
     return "finite" if lowest == -LARGEST else f"{lowest:g} or more"
+
+
+def vector(name: str, value: Any, unit: str) -> Array:
+    """`value` as a read-only array (3,), or a ValueError that names the unit."""
+    array = as_array(name, value)
+    if array.shape != (3,) or not np.isfinite(array).all():
+        raise ValueError(f"{name} must be three finite numbers, {unit}; got {value!r:.80}.")
+    return shaped(name, value, (3,))
+
+
+def interval(start: Any, end: Any) -> tuple[float, float]:
+    """`start` and `end` as floats, s, or a ValueError where they do not follow each other; `end` may be infinite."""
+    first = scalar("start", start, "s")
+    last = np.inf if isinstance(end, float) and end == np.inf else scalar("end", end, "s")
+    if not last > first:
+        raise ValueError(f"end must be after start, {first:g} s; got {last:g} s.")
+    return first, last
 
 
 def regular(name: str, value: Any, unit: str) -> Array:

@@ -1,16 +1,35 @@
-"""What surrounds the body: gravity and the magnetic field in the navigation frame N."""
+"""What surrounds the body: gravity, the magnetic field and what disturbs it, and the rate at which N turns."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from datetime import date
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from kreisel.data.checks import Array, finite, scalar, shaped
+from kreisel.data.checks import Array, finite, instance, scalar, shaped
 
 STANDARD_GRAVITY = 9.80665
 """m/s^2; BIPM, SI brochure, conventional value of the acceleration due to gravity."""
+
+
+@runtime_checkable
+class Disturbance(Protocol):
+    """Something in the world that changes the magnetic field along a path; a frozen value."""
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """First and last time at which it acts, s; infinite where it always did or will."""
+        ...
+
+    def added_N_uT(self, t: Array, p_NS: Array) -> Array:
+        """Field (n, 3), microtesla in N, that it adds at times t (n,) s and places p_NS (n, 3) m.
+
+        Raises ValueError, with time and place, where a sensor cannot be.
+        """
+        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -19,36 +38,65 @@ class Environment:
 
     g_N: Array = field(default_factory=lambda: np.array([0.0, 0.0, -STANDARD_GRAVITY]))  # (3,) m/s^2
     field_N_uT: Array | None = None  # (3,) microtesla; None where nobody asks for a magnetometer
+    omega_IN_N: Array = field(default_factory=lambda: np.zeros(3))  # (3,) rad/s at which N turns; 0: inertial
+    disturbances: Sequence[Disturbance] = ()  # of the magnetic field; field_N_uT is the field without them
 
     @classmethod
-    def at(cls, latitude_deg: float, longitude_deg: float, height_m: float, day: date) -> Environment:
-        """Gravity and, by the World Magnetic Model, the magnetic field at a place on a day.
+    def at(
+        cls,
+        latitude_deg: float,
+        longitude_deg: float,
+        height_m: float,
+        day: date | None = None,
+        *,
+        turning: bool = False,
+    ) -> Environment:
+        """Gravity at a place and, by the World Magnetic Model, the magnetic field there on a day.
 
-        latitude_deg, longitude_deg: geodetic, WGS 84, north and east positive. height_m: above the ellipsoid.
-        N stays an inertial frame: the Earth does not turn (`kreisel.maths.earth.earth_rate` says how fast it would).
+        The place is the origin of N. latitude_deg, longitude_deg: geodetic, WGS 84, north and east positive.
+        height_m: above the ellipsoid. day: None for no magnetic field.
+        turning: N turns with the Earth. Without, N is inertial; gravity is the same, its centrifugal part included.
         Raises ValueError for a place that is none and a day that no magnetic model covers.
         """
-        from kreisel.maths.earth import magnetic_field_uT, normal_gravity
+        from kreisel.maths.earth import earth_rate, magnetic_field_uT, normal_gravity
 
         latitude = float(np.deg2rad(scalar("latitude_deg", latitude_deg, "deg", -90.0, 90.0)))
         longitude = float(np.deg2rad(scalar("longitude_deg", longitude_deg, "deg", -180.0, 360.0)))
         height = scalar("height_m", height_m, "m", -1000.0, 100_000.0)
-        if not isinstance(day, date):
-            raise TypeError(
-                f"day must be a datetime.date, such as date(2026, 5, 1); got {type(day).__name__}."
-            )
+        if day is not None:
+            instance("day", day, date, "Write date(2026, 5, 1).")
+            day = date(day.year, day.month, day.day)  # of a datetime, too
+        field_N_uT = None if day is None else magnetic_field_uT(latitude, longitude, height, day)
         g_N = np.array([0.0, 0.0, -normal_gravity(latitude, height)])
-        return cls(g_N, magnetic_field_uT(latitude, longitude, height, day))
+        return cls(g_N, field_N_uT, earth_rate(latitude) if turning else np.zeros(3))
 
     @property
     def declination(self) -> float | None:
-        """How far magnetic north lies east of true north, rad; None without a field or where it is vertical."""
+        """How far magnetic north lies east of true north, rad, where nothing disturbs the field.
+
+        None without a field, or where it is vertical.
+        """
         if self.field_N_uT is None or not self.field_N_uT[:2].any():
             return None
         return float(np.arctan2(self.field_N_uT[0], self.field_N_uT[1]))
 
+    def disturbance_N_uT(self, t: Array, p_NS: Array) -> Array:
+        """What all disturbances add to the field, (n, 3) microtesla, at times t (n,) s and places p_NS (n, 3) m."""
+        total = np.zeros((len(t), 3))
+        for disturbance in self.disturbances:
+            total += disturbance.added_N_uT(t, p_NS)
+        return total
+
     def __post_init__(self) -> None:
-        object.__setattr__(self, "g_N", finite("g_N", shaped("g_N", self.g_N, (3,))))
+        put = object.__setattr__
+        for name in ("g_N", "omega_IN_N"):
+            put(self, name, finite(name, shaped(name, getattr(self, name), (3,))))
         if self.field_N_uT is not None:
-            field_N_uT = finite("field_N_uT", shaped("field_N_uT", self.field_N_uT, (3,)))
-            object.__setattr__(self, "field_N_uT", field_N_uT)
+            put(self, "field_N_uT", finite("field_N_uT", shaped("field_N_uT", self.field_N_uT, (3,))))
+        put(self, "disturbances", tuple(self.disturbances))
+        for k, disturbance in enumerate(self.disturbances):
+            instance(f"disturbances[{k}]", disturbance, Disturbance, "Write Dipole(...), say.")
+        if self.disturbances and self.field_N_uT is None:
+            raise ValueError(
+                "disturbances need a magnetic field to disturb; give field_N_uT, microtesla in N."
+            )

@@ -93,12 +93,7 @@ def _turned(
     if isinstance(data, ImuRecording):
         mag_uT = None if data.mag_uT is None else body(data.mag_uT, -1)
         accel = body(data.accel, -1) * accel_sign
-        # A deviation has an axis but no sign.
-        sigmas: dict[str, Any] = {
-            name: np.abs(body(getattr(data, name), -1))
-            for name in CONSTANTS
-            if getattr(data, name) is not None
-        }
+        sigmas = _sizes(data, dict.fromkeys(("gyro_sigma", "accel_sigma", *CONSTANTS), body))
         return replace(data, gyro=body(data.gyro, -1), accel=accel, mag_uT=mag_uT, **sigmas)
     if isinstance(data, Motion):
         return replace(
@@ -109,6 +104,7 @@ def _turned(
             R_NB=body(nav(data.R_NB, -2), -1),
             omega_NB_B=body(data.omega_NB_B, -1),
             alpha_NB_B=body(data.alpha_NB_B, -1),
+            **_sizes(data, {"theta_sigma": body, "a_sigma": nav, "omega_sigma": body, "alpha_sigma": body}),
         )
     if isinstance(data, Mount):
         return replace(data, p_BS=body(data.p_BS, -1), R_BS=body(body(data.R_BS, -2), -1))
@@ -128,6 +124,11 @@ def _attitude_fields(
         "R_NS": body(nav(data.R_NS, -2), -1),
         "gyro_bias": None if data.gyro_bias is None else body(data.gyro_bias, -1),
         "a_N": None if data.a_N is None else nav(data.a_N, -1),
-        # As above.
-        "sigma": None if data.sigma is None else np.abs(nav(data.sigma, -1)),
+        **_sizes(data, {"sigma": nav}),
     }
+
+
+def _sizes(data: Any, turns: dict[str, Callable[[Array, int], Array]]) -> dict[str, Array | None]:
+    """Standard deviations, which have an axis but no sign."""
+    known = {name: getattr(data, name) for name in turns}
+    return {name: None if x is None else np.abs(turns[name](x, -1)) for name, x in known.items()}

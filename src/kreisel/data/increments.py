@@ -12,7 +12,8 @@ class ImuIncrements:
     """Compensated increments in sensor axes S: row k spans t[k] to t[k + 1]. A NaN row is a missing interval.
 
     Coning and sculling are in them: dtheta = Log(R_k^T R_k+1) and dv = R_k^T (v_k+1 - v_k - g dt) bring
-    attitude and velocity from stamp to stamp with no error of method. Position is determined by them only
+    attitude and velocity from stamp to stamp with no error of method. R, v and p are against inertial axes: where N
+    turns, its turn is in them (kreisel.maths.turning). Position is determined by them only
     as far as velocity can be interpolated; dp, which few units deliver, closes that gap.
     """
 

@@ -7,12 +7,18 @@ from dataclasses import dataclass
 from kreisel.data.checks import Array, increasing, per_axis, same_length, shaped
 from kreisel.data.tables import Tabular
 
-_SIGMAS = {"gyro_sigma": "rad/s", "accel_sigma": "m/s^2", "mag_sigma_uT": "uT"}
+_NOISES = {"gyro_noise": "rad/s", "accel_noise": "m/s^2", "mag_noise_uT": "uT"}
+
+SOURCE = "kreisel.read gives one; of what Imu.record made take .measured."
+"""Where a recording comes from, for errors about what is none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ImuRecording(Tabular):
-    """What an IMU delivers, in sensor axes S. A NaN row is a missing sample."""
+    """What an IMU delivers, in sensor axes S. A NaN row is a missing sample.
+
+    Ideal readings of a motion that was found behind noise know how uncertain they are.
+    """
 
     t: Array  # (n,) s after t0_ns, strictly increasing
     gyro: Array  # (n, 3) rad/s, omega_NS_S, right-handed
@@ -20,23 +26,27 @@ class ImuRecording(Tabular):
     mag_uT: Array | None = None  # (n, 3) microtesla; NaN rows where the magnetometer has no sample
     t0_ns: int = 0  # epoch of t = 0, ns
     name: str = ""
+    gyro_sigma: Array | None = None  # (n, 3) rad/s, standard error
+    accel_sigma: Array | None = None  # (n, 3) m/s^2, standard error
     # Standard deviation of the white noise in one sample, one or per axis, (3,) once inside; None: not known.
-    gyro_sigma: Array | None = None  # rad/s
-    accel_sigma: Array | None = None  # m/s^2
-    mag_sigma_uT: Array | None = None  # microtesla
+    gyro_noise: Array | None = None  # rad/s
+    accel_noise: Array | None = None  # m/s^2
+    mag_noise_uT: Array | None = None  # microtesla
 
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "t", increasing("t", shaped("t", self.t, ("n",))))
         put(self, "gyro", shaped("gyro", self.gyro, ("n", 3)))
         put(self, "accel", shaped("accel", self.accel, ("n", 3)))
-        if self.mag_uT is not None:
-            put(self, "mag_uT", shaped("mag_uT", self.mag_uT, ("n", 3)))
+        for name in ("mag_uT", "gyro_sigma", "accel_sigma"):
+            if getattr(self, name) is not None:
+                put(self, name, shaped(name, getattr(self, name), ("n", 3)))
         put(self, "t0_ns", int(self.t0_ns))
-        for name, unit in _SIGMAS.items():
+        columns = ("gyro", "accel", "mag_uT", "gyro_sigma", "accel_sigma")
+        same_length(self.t, **{name: getattr(self, name) for name in columns})
+        for name, unit in _NOISES.items():
             if getattr(self, name) is not None:
                 put(self, name, per_axis(name, getattr(self, name), unit, 0.0))
-        same_length(self.t, gyro=self.gyro, accel=self.accel, mag_uT=self.mag_uT)
 
     def __len__(self) -> int:
         return len(self.t)

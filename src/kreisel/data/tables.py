@@ -37,12 +37,18 @@ QUANTITIES = MappingProxyType(
         "R_NB": Quantity("R", "1", "N from B", "rotation matrix of the body: v_N = R_NB v_B"),
         "omega_NB_B": Quantity("omega", "rad/s", "B", "angular rate of the body in N"),
         "alpha_NB_B": Quantity("alpha", "rad/s^2", "B", "derivative of the angular rate"),
+        "theta_sigma": Quantity("theta_sigma", "rad", "B", "standard error of the attitude"),
+        "a_sigma": Quantity("a_sigma", "m/s^2", "N", "standard error of a_NB"),
+        "omega_sigma": Quantity("omega_sigma", "rad/s", "B", "standard error of omega_NB_B"),
+        "alpha_sigma": Quantity("alpha_sigma", "rad/s^2", "B", "standard error of alpha_NB_B"),
         "gyro": Quantity("gyro", "rad/s", "S", "gyroscope: angular rate of the sensor in N"),
         "accel": Quantity("accel", "m/s^2", "S", "accelerometer: specific force, +g up at rest"),
         "mag_uT": Quantity("mag", "uT", "S", "magnetic field"),
-        "gyro_sigma": Quantity("gyro_sigma", "rad/s", "S", "deviation of the gyroscope's white noise"),
-        "accel_sigma": Quantity("accel_sigma", "m/s^2", "S", "deviation of the accelerometer's white noise"),
-        "mag_sigma_uT": Quantity("mag_sigma", "uT", "S", "deviation of the magnetometer's white noise"),
+        "gyro_sigma": Quantity("gyro_sigma", "rad/s", "S", "standard error of gyro"),
+        "accel_sigma": Quantity("accel_sigma", "m/s^2", "S", "standard error of accel"),
+        "gyro_noise": Quantity("gyro_noise", "rad/s", "S", "deviation of the gyroscope's white noise"),
+        "accel_noise": Quantity("accel_noise", "m/s^2", "S", "deviation of the accelerometer's white noise"),
+        "mag_noise_uT": Quantity("mag_noise", "uT", "S", "deviation of the magnetometer's white noise"),
         "R_NS": Quantity("R", "1", "N from S", "rotation matrix of the sensor: v_N = R_NS v_S"),
         "gyro_bias": Quantity("gyro_bias", "rad/s", "S", "bias of the gyroscope"),
         "a_N": Quantity("a", "m/s^2", "N", "acceleration of the sensor, gravity not in it"),
@@ -55,7 +61,7 @@ QUANTITIES = MappingProxyType(
 )
 """Every field with numbers of every noun."""
 
-CONSTANTS = ("gyro_sigma", "accel_sigma", "mag_sigma_uT")
+CONSTANTS = ("gyro_noise", "accel_noise", "mag_noise_uT")
 """Those of them with one value per axis, (3,), for all rows."""
 
 
@@ -68,7 +74,7 @@ class Tabular:
         """One row per time stamp, indexed by t in s; attitude as the quaternion q_w, q_x, q_y, q_z.
 
         `attrs` of the frame: noun, name, t0_ns, and by column `units` and `frames`; what is one value for all
-        rows, such as gyro_sigma, is there as well. Needs pandas: pip install 'kreisel[data]'.
+        rows, such as gyro_noise, is there as well. Needs pandas: pip install 'kreisel[data]'.
         """
         library = _installed("pandas", "to_pandas")
         columns: dict[str, npt.NDArray[Any]] = {}

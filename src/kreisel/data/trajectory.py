@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from kreisel.data.checks import Array, finite, increasing, rotations, same_length, shaped
+from kreisel.data.checks import Array, finite, increasing, read_only, rotations, same_length, shaped
 from kreisel.data.motion import Motion
 from kreisel.data.tables import Tabular
 
@@ -50,6 +50,22 @@ class Poses(Tabular):
 
     def __len__(self) -> int:
         return len(self.t)
+
+    def thinned(self, rate_hz: float) -> Poses:
+        """Every k-th pose, k the least that leaves no more than `rate_hz` a second.
+
+        For files that were interpolated to a higher rate than the cameras had: their poses err together, which
+        smoothing would take for motion. Raises ValueError for a rate that is not positive.
+        """
+        if not 0.0 < rate_hz < np.inf:
+            raise ValueError(f"rate_hz must be a positive number; got {rate_hz!r}.")
+        step = float(np.median(np.diff(self.t))) if len(self) > 1 else np.inf
+        # The allowance is for a rate that is a whole fraction but for round-off.
+        every = slice(None, None, max(1, int(np.ceil(1.0 / (rate_hz * step) - 1e-6))))
+        columns = (self.p_NB, self.R_NB, self.v_NB)
+        p, R, v = (None if x is None else read_only(np.ascontiguousarray(x[every])) for x in columns)
+        assert p is not None  # poses have positions
+        return Poses(self.t[every], p, R, v, self.t0_ns, self.name)
 
 
 # 4 GB of motion: whatever asks for more has mistaken a unit.

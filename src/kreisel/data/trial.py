@@ -1,4 +1,4 @@
-"""A recording together with the attitude that a reference system measured at the same time."""
+"""A recording together with the attitude and position that a reference system measured at the same time."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from kreisel.data.attitude import Reference
 from kreisel.data.recording import ImuRecording
+from kreisel.data.trajectory import Poses
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -15,3 +16,6 @@ class Trial:
     recording: ImuRecording
     reference: Reference  # attitude of the sensor, on stamps of its own
     name: str = ""
+    poses: Poses | None = (
+        None  # of the sensor's body, where the reference system saw both position and attitude
+    )

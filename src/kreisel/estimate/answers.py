@@ -1,116 +1,117 @@
-"""Turns the places that every filter's state begins with into attitude, acceleration and flags."""
+"""Turns what filters find into columns of attitude, bias, acceleration and flags, one row per sample."""
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from kreisel.data.attitude import AttitudeHistory, Mask
-from kreisel.data.checks import read_only
-from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.recording import ImuRecording
 from kreisel.estimate import filters as at
 from kreisel.estimate.filters import Array
 from kreisel.maths.kernels import inlined, kernel
-from kreisel.maths.vectors import Rows, added, combined, dot
+from kreisel.maths.vectors import Rows, dot, load, nearest_rotation
 
-# A matrix whose products of rows are that near to those of a rotation has an error of 1e-12 one iteration later.
-_NEAR = 1e-6
+_ZERO = bytes(3 * 8)
 
 
 class Columns(NamedTuple):
-    """What a filter says of n samples in each of several runs."""
+    """What a filter says after each of n samples; those of several runs have the runs in front."""
 
-    R_NS: Array  # (runs, n, 3, 3)
-    gyro_bias: Array  # (runs, n, 3) rad/s
-    a_N: Array  # (runs, n, 3) m/s^2
-    rest: Mask  # (runs, n)
-    disturbed: Mask  # (runs, n)
-    held: Mask  # (runs, n)
+    R_NS: Array  # (n, 3, 3) rotations to 1e-12
+    gyro_bias: Array  # (n, 3) rad/s; zeros that nobody writes to where the filter learns none
+    rest: Mask  # (n,)
+    disturbed: Mask  # (n,)
+    held: Mask  # (n,)
+    heading: Array  # (n,) rad, or (0,) where nobody asks
 
     @classmethod
-    def of(cls, runs: int, n: int) -> Columns:
-        """Room for so many: one piece of memory, for several would go back to the system and come anew each time."""
-        room = np.empty(runs * n * (15 * 8 + 3), np.uint8)
-        numbers, flags = room[: runs * n * 15 * 8].view(np.float64), room[runs * n * 15 * 8 :].view(np.bool_)
-        R, bias, a_N = np.split(numbers, [9 * runs * n, 12 * runs * n])
-        rest, disturbed, held = flags.reshape(3, runs, n)
-        vectors = bias.reshape(runs, n, 3), a_N.reshape(runs, n, 3)
-        return cls(R.reshape(runs, n, 3, 3), *vectors, rest, disturbed, held)
+    def of(cls, shape: tuple[int, ...], bias: bool, heading: bool = False) -> Columns:
+        """Room for (n,) samples or (runs, n), in one piece of memory.
 
-    def part(self, runs: slice) -> Columns:
-        """The same room, of some of the runs."""
-        R, bias, a_N, rest, disturbed, held = self
-        return Columns(R[runs], bias[runs], a_N[runs], rest[runs], disturbed[runs], held[runs])
+        Several pieces would go back to the system and come anew each time, and fresh memory costs more than a step.
+        """
+        count = math.prod(shape)
+        flags = 8 * count * (9 + 3 * bias + heading)
+        room = np.empty(flags + 3 * count, np.uint8)
+        R_NS = np.ndarray((*shape, 3, 3), np.float64, room)
+        gyro_bias = np.ndarray((*shape, 3), np.float64, room, 8 * count * 9) if bias else _zeros(shape)
+        rest, disturbed, held = np.ndarray((3, *shape), np.bool_, room, flags)
+        angles = (*shape[:-1], shape[-1] if heading else 0)
+        return cls(
+            R_NS, gyro_bias, rest, disturbed, held, np.ndarray(angles, np.float64, room, flags - 8 * count)
+        )
 
-    def fill(self, first: int, answers: Array, accel: Array) -> None:
-        """Put answers (runs, m, ANSWER), to the samples of accel (runs, n, 3) from `first` on, in their place."""
-        unpack(answers, accel, first, *self)
+    def part(self, runs: int | slice) -> Columns:
+        """The same room, of one or some of the runs."""
+        R_NS, bias, rest, disturbed, held, heading = self
+        return Columns(R_NS[runs], bias[runs], rest[runs], disturbed[runs], held[runs], heading[runs])
 
-    def history(self, run: int, recording: ImuRecording) -> AttitudeHistory:
+    def history(self, recording: ImuRecording) -> AttitudeHistory:
         """The answers of one run beside the time of its recording."""
-        R, bias, a_N = (read_only(column[run]) for column in self[:3])
-        rest, disturbed, held = (column[run] for column in self[3:])
-        return AttitudeHistory(
-            recording.t, R, bias, a_N, None, rest, disturbed, held, recording.t0_ns, recording.name
+        for column in self:
+            column.flags.writeable = False
+        R_NS, gyro_bias, rest, disturbed, held, _ = self
+        return AttitudeHistory.trusted(
+            recording.t,
+            R_NS,
+            gyro_bias,
+            recording.accel,
+            (rest, disturbed, held),
+            recording.t0_ns,
+            recording.name,
         )
 
 
-@kernel
-def unpack(
-    answers: Array,
-    accel: Array,
-    first: int,
-    R: Array,
-    bias: Array,
-    a_N: Array,
-    rest: Mask,
-    disturbed: Mask,
-    held: Mask,
-) -> None:
-    """Fill the Columns of m samples from `first` on, from answers (runs, m, ANSWER) and accel (runs, n, 3).
-
-    a_N is the specific force in N less gravity, of this one sample: nothing is smoothed.
-    """
-    for run in range(answers.shape[0]):
-        for i in range(answers.shape[1]):
-            k = first + i
-            rows = _rotation(
-                (
-                    (answers[run, i, 0], answers[run, i, 1], answers[run, i, 2]),
-                    (answers[run, i, 3], answers[run, i, 4], answers[run, i, 5]),
-                    (answers[run, i, 6], answers[run, i, 7], answers[run, i, 8]),
-                )
-            )
-            f = accel[run, k, 0], accel[run, k, 1], accel[run, k, 2]
-            R[run, k, 0, 0], R[run, k, 0, 1], R[run, k, 0, 2] = rows[0]
-            R[run, k, 1, 0], R[run, k, 1, 1], R[run, k, 1, 2] = rows[1]
-            R[run, k, 2, 0], R[run, k, 2, 1], R[run, k, 2, 2] = rows[2]
-            a_N[run, k, 0], a_N[run, k, 1] = dot(rows[0], f), dot(rows[1], f)
-            a_N[run, k, 2] = dot(rows[2], f) - STANDARD_GRAVITY
-            for j in range(3):
-                bias[run, k, j] = answers[run, i, at.GYRO_BIAS + j]
-            flags = int(answers[run, i, at.FLAGS])
-            rest[run, k], disturbed[run, k] = flags & at.REST, flags & at.DISTURBED
-            held[run, k] = flags & at.HELD
+def _zeros(shape: tuple[int, ...]) -> Array:
+    """Read-only zeros (*shape, 3) that all are the same three."""
+    return np.ndarray((*shape, 3), np.float64, _ZERO, strides=(0,) * len(shape) + (8,))
 
 
 @inlined
-def _rotation(rows: Rows) -> Rows:
-    """The rotation nearest to a matrix that a first-order step has left almost orthonormal.
+def answer(R: Array, i: int, rows: Rows, askew: float) -> None:
+    """Put the rotation nearest to `rows`, whose first two have the product `askew`, in its place."""
+    rows = nearest_rotation(rows, askew)
+    R[i, 0, 0], R[i, 0, 1], R[i, 0, 2] = rows[0]
+    R[i, 1, 0], R[i, 1, 1], R[i, 1, 2] = rows[1]
+    R[i, 2, 0], R[i, 2, 1], R[i, 2, 2] = rows[2]
 
-    Newton's iteration for the orthogonal polar factor (Higham 1986), which squares the error each time.
-    """
-    for _ in range(6):
-        x, y, z = rows
-        xx, yy, zz, xy, xz, yz = dot(x, x), dot(y, y), dot(z, z), dot(x, y), dot(x, z), dot(y, z)
-        rows = (
-            added(combined((-0.5 * xx, -0.5 * xy, -0.5 * xz), x, y, z), 1.5, x),
-            added(combined((-0.5 * xy, -0.5 * yy, -0.5 * yz), x, y, z), 1.5, y),
-            added(combined((-0.5 * xz, -0.5 * yz, -0.5 * zz), x, y, z), 1.5, z),
-        )
-        # Looked at afterwards, for one turn is enough nearly always: a branch that goes one way costs nothing.
-        if max(abs(xx - 1.0), abs(yy - 1.0), abs(zz - 1.0), abs(xy), abs(xz), abs(yz)) < _NEAR:
-            break
-    return rows
+
+@inlined
+def flags_of(flags: float) -> tuple[bool, bool, bool]:
+    """Whether at rest, disturbed and held."""
+    bits = int(flags)
+    return bits & at.REST != 0, bits & at.DISTURBED != 0, bits & at.HELD != 0
+
+
+@inlined
+def of_lane(out: Columns, lane: int) -> Columns:
+    """The columns of one of several runs."""
+    R_NS, bias, rest, disturbed, held, heading = out
+    return Columns(R_NS[lane], bias[lane], rest[lane], disturbed[lane], held[lane], heading[lane])
+
+
+@inlined
+def tell(state: Array, out: Columns, i: int) -> None:
+    """Put all that a state (at least ANSWER,) says in row i of `out`, but for the bias."""
+    rows = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
+    answer(out.R_NS, i, rows, dot(rows[0], rows[1]))
+    out.rest[i], out.disturbed[i], out.held[i] = flags_of(state[at.FLAGS])
+    if i < out.heading.shape[0]:
+        out.heading[i] = state[at.HEADING]
+
+
+@inlined
+def repeat(state: Array, out: Columns, begin: int, end: int) -> None:
+    """Put flags and heading of a state in rows from `begin` to `end`, through which they were the same."""
+    out.rest[begin:end], out.disturbed[begin:end], out.held[begin:end] = flags_of(state[at.FLAGS])
+    out.heading[begin:end] = state[at.HEADING]
+
+
+@kernel
+def show(state: Array, out: Columns) -> None:
+    """Put all that a state (at least ANSWER,) says in the only row of `out`."""
+    tell(state, out, 0)
+    out.gyro_bias[0, 0], out.gyro_bias[0, 1], out.gyro_bias[0, 2] = load(state, at.GYRO_BIAS)

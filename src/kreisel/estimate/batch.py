@@ -13,15 +13,12 @@ import numpy.typing as npt
 
 from kreisel.data.attitude import AttitudeHistory, Mask
 from kreisel.data.checks import increasing, read_only, shaped
+from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.recording import ImuRecording
-from kreisel.estimate import filters as at
 from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters import Array, AttitudeFilter, LaneFilter
 from kreisel.estimate.run import readings, run
-from kreisel.maths.kernels import argument
-
-# Samples of all runs of a tile whose answers fit the L2 cache (0.5 MB), from where they are unpacked.
-_BLOCK = 4096
+from kreisel.maths.kinematics import linear_acceleration
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,24 +28,24 @@ class AttitudeBatch:
     t: Array  # (n,) s
     R_NS: Array  # (runs, n, 3, 3)
     gyro_bias: Array  # (runs, n, 3) rad/s, in S
-    a_N: Array  # (runs, n, 3) m/s^2, acceleration in N without gravity
     rest: Mask  # (runs, n) the sensor was taken to be at rest
     disturbed: Mask  # (runs, n) the magnetometer was not trusted
     held: Mask  # (runs, n) a gyro sample was missing and the last rate was held
+    accel: Array  # (runs, n, 3) m/s^2, specific force in S, as it was given
 
     def __len__(self) -> int:
         return len(self.R_NS)
 
     def __getitem__(self, k: int) -> AttitudeHistory:
-        return AttitudeHistory(
-            self.t,
-            self.R_NS[k],
-            gyro_bias=self.gyro_bias[k],
-            a_N=self.a_N[k],
-            rest=self.rest[k],
-            disturbed=self.disturbed[k],
-            held=self.held[k],
-        )
+        flags = self.rest[k], self.disturbed[k], self.held[k]
+        return AttitudeHistory.trusted(self.t, self.R_NS[k], self.gyro_bias[k], self.accel[k], flags, 0, "")
+
+    @property
+    def a_N(self) -> Array:
+        """(runs, n, 3) m/s^2, acceleration in N without gravity; made anew at each call."""
+        runs, n = self.rest.shape
+        flat = linear_acceleration(self.R_NS.reshape(-1, 3, 3), self.accel.reshape(-1, 3), STANDARD_GRAVITY)
+        return flat.reshape(runs, n, 3)
 
 
 def run_batch(
@@ -70,11 +67,11 @@ def run_batch(
     """
     t = increasing("t", shaped("t", t, ("n",)))
     gyro = shaped("gyro", _lent(gyro), ("runs", len(t), 3))
-    accel = shaped("accel", _lent(accel), gyro.shape)
+    accel = shaped("accel", accel, gyro.shape)
     mag = None if mag_uT is None else shaped("mag_uT", _lent(mag_uT), gyro.shape)
     runs = len(gyro)
     first = None if R_NS is None else np.broadcast_to(np.asarray(R_NS, float), (runs, 3, 3))
-    columns = Columns.of(runs, len(t))
+    columns = Columns.of((runs, len(t)), filter.learns_bias)
 
     readings(filter, t[:0], gyro[:0], accel[:0], mag)
 
@@ -86,7 +83,7 @@ def run_batch(
     _in_threads(tile, _tiles(filter, runs), threads)
     for column in columns:
         column.flags.writeable = False
-    return AttitudeBatch(t, *columns)
+    return AttitudeBatch(t, *columns[:-1], accel)
 
 
 def run_all(
@@ -107,10 +104,10 @@ def run_all(
         alike = [recordings[k] for k in members]
         gyro, accel = np.stack([r.gyro for r in alike]), np.stack([r.accel for r in alike])
         mag = None if alike[0].mag_uT is None else np.stack([r.mag_uT for r in alike if r.mag_uT is not None])
-        columns = Columns.of(len(members), len(alike[0]))
+        columns = Columns.of(gyro.shape[:2], filter.learns_bias)
         _fill(filter, alike[0].t, (gyro, accel, mag), None, columns)
         for i, k in enumerate(members):
-            histories[k] = columns.history(i, recordings[k])
+            histories[k] = columns.part(i).history(recordings[k])
 
     _in_threads(together, _alike(recordings, _lanes(filter)), threads)
     return [history for history in histories if history is not None]
@@ -154,22 +151,14 @@ def _fill(
 ) -> None:
     """Run one tile: abreast where it has as many runs as the filter has lanes."""
     t, gyro, accel, mag = readings(filter, t, *sensors)
-    runs, n = gyro.shape[:2]
+    runs = len(gyro)
     firsts = [None] * runs if R_NS is None else list(R_NS)
     states, parameters = np.stack([filter.start(first) for first in firsts]), filter.parameters()
-    stamps = argument(np.tile(t, (runs, 1)))
-    lanes = filter if isinstance(filter, LaneFilter) and runs == filter.lanes > 1 else None
-    step = min(n, _BLOCK // runs)
-    room = np.empty(runs * step * at.ANSWER)
-    for first in range(0, n, step):
-        m = min(step, n - first)
-        answers = room[: runs * m * at.ANSWER].reshape(runs, m, at.ANSWER)
-        if lanes is not None:
-            lanes.batch_of_lanes(states, parameters, stamps, gyro, accel, mag, first, answers)
-        else:
-            for k in range(runs):
-                filter.batch(states[k], parameters, t, gyro[k], accel[k], mag[k], first, answers[k])
-        columns.fill(first, answers, accel)
+    if isinstance(filter, LaneFilter) and runs == filter.lanes > 1:
+        filter.batch_of_lanes(states, parameters, t, gyro, accel, mag, columns)
+        return
+    for k in range(runs):
+        filter.batch(states[k], parameters, t, gyro[k], accel[k], mag[k], columns.part(k))
 
 
 def _in_threads(work: Callable[..., None], parts: Iterable[object], threads: int | None) -> None:

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from kreisel.data.attitude import AttitudeHistory
-from kreisel.data.recording import ImuRecording
-from kreisel.estimate import filters as at
+from kreisel.data.checks import instance
+from kreisel.data.recording import SOURCE, ImuRecording
 from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters import Array, AttitudeFilter
 from kreisel.maths.kernels import argument
-
-# Samples whose answers fit the L2 cache (0.5 MB), from where they are unpacked.
-_BLOCK = 4096
 
 
 def run(filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None = None) -> AttitudeHistory:
@@ -23,10 +18,10 @@ def run(filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None = No
     Its a_N is the specific force of each sample in N less gravity, not smoothed; NaN where the sample is missing.
     Raises ValueError where the filter needs a magnetometer that the recording does not have.
     """
-    columns = Columns.of(1, len(recording))
-    for first, answers in _blocks(filter, recording, R_NS):
-        columns.fill(first, answers[None], argument(recording.accel[None]))
-    return columns.history(0, recording)
+    instance("recording", recording, ImuRecording, SOURCE)
+    columns = Columns.of((len(recording),), filter.learns_bias)
+    _fill(filter, recording, R_NS, columns)
+    return columns.history(recording)
 
 
 def run_both(
@@ -37,16 +32,16 @@ def run_both(
     The second is the first with all turns about up taken back that the magnetometer asked for: its heading starts
     at zero and drifts, less than that of a run which never saw a magnetometer and learned no bias from it.
     """
-    whole, without = Columns.of(1, len(recording)), Columns.of(1, len(recording))
-    accel = argument(recording.accel[None])
-    for first, answers in _blocks(filter, recording, R_NS):
-        whole.fill(first, answers[None], accel)
-        c, s = np.cos(answers[:, at.HEADING, None]), np.sin(answers[:, at.HEADING, None])
-        east, north = answers[:, 0:3].copy(), answers[:, 3:6].copy()
-        answers[:, 0:3] = c * east + s * north
-        answers[:, 3:6] = c * north - s * east
-        without.fill(first, answers[None], accel)
-    return whole.history(0, recording), without.history(0, recording)
+    whole = Columns.of((len(recording),), filter.learns_bias, heading=True)
+    _fill(filter, recording, R_NS, whole)
+    without = Columns.of((len(recording),), filter.learns_bias)
+    for new, same in zip(without, whole, strict=True):
+        if new.flags.writeable and new.shape == same.shape:
+            new[:] = same
+    c, s = np.cos(whole.heading[:, None]), np.sin(whole.heading[:, None])
+    without.R_NS[:, 0] = c * whole.R_NS[:, 0] + s * whole.R_NS[:, 1]
+    without.R_NS[:, 1] = c * whole.R_NS[:, 1] - s * whole.R_NS[:, 0]
+    return whole.history(recording), without.history(recording)
 
 
 def readings(
@@ -63,15 +58,6 @@ def readings(
     return argument(t), argument(gyro), argument(accel), argument(mag)
 
 
-def _blocks(
-    filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None
-) -> Iterator[tuple[int, Array]]:
-    """First sample and answers (m, ANSWER) of one block after the other; the next overwrites the answers."""
-    n = len(recording)
+def _fill(filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None, columns: Columns) -> None:
     inputs = readings(filter, recording.t, recording.gyro, recording.accel, recording.mag_uT)
-    state, parameters = filter.start(R_NS), filter.parameters()
-    block = np.empty((min(n, _BLOCK), at.ANSWER))
-    for first in range(0, n, _BLOCK):
-        answers = block[: n - first]
-        filter.batch(state, parameters, *inputs, first, answers)
-        yield first, answers
+    filter.batch(filter.start(R_NS), filter.parameters(), *inputs, columns)

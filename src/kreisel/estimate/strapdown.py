@@ -9,12 +9,13 @@ from kreisel.data.checks import SAME_INSTANT, Array, finite, rotations, shaped
 from kreisel.data.environment import Environment
 from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Note
-from kreisel.data.recording import ImuRecording
+from kreisel.data.recording import SOURCE, ImuRecording
 from kreisel.maths import magnus
 from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.kinematics import quaternion_motion
 from kreisel.maths.rotations import matrix_from_quat_wxyz, quat_wxyz_from_matrix
 from kreisel.maths.stencils import between, derivatives
+from kreisel.maths.turning import State, acceleration_in_N, falls, rates_in_N, standing_still, turning_along
 
 Initial = Motion | tuple[npt.ArrayLike, npt.ArrayLike, npt.ArrayLike]
 
@@ -32,10 +33,11 @@ def integrate(
 
     initial : p_NS (3,) m, v_NS (3,) m/s and R_NS (3, 3) at the first stamp, or a Motion of the sensor
         (`motion.at(mount)`) with a row at that time.
-    environment : gravity; the standard one by default.
+    environment : gravity, and the rate at which N turns; the standard one, and none, by default.
 
     Steps may be uneven; a step much longer than the others is bridged and noted. From rates the method is of
-    sixth order: coning and sculling are in it (kreisel.maths.magnus). From increments attitude and
+    sixth order: coning and sculling are in it (kreisel.maths.magnus). Where N turns, all is added up in axes that
+    stand still and then seen from N (kreisel.maths.turning). From increments attitude and
     velocity are exact, and so is position where the unit delivers dp; without, velocity is interpolated.
     Rates and accelerations of the result are the recording's own; alpha_NB_B, and for increments also
     omega_NB_B and a_NB, are slopes of local polynomials, and as noisy as slopes are.
@@ -43,47 +45,58 @@ def integrate(
     Raises TypeError for other types, ValueError for an empty recording, a NaN row (named) and a Motion without
     a row at the first stamp.
     """
-    g_N = (environment or Environment()).g_N
+    world = environment or Environment()
     if isinstance(recording, ImuIncrements):
-        return _from_increments(recording, initial, g_N)
+        return _from_increments(recording, initial, world)
     if isinstance(recording, ImuRecording):
-        return _from_rates(recording, initial, g_N)
-    raise TypeError(f"recording must be ImuRecording or ImuIncrements; got {type(recording).__name__}.")
+        return _from_rates(recording, initial, world)
+    raise TypeError(
+        f"recording must be ImuRecording or ImuIncrements; got {type(recording).__name__}. {SOURCE}"
+    )
 
 
-def _from_rates(recording: ImuRecording, initial: Initial, g_N: Array) -> Motion:
+def _from_rates(recording: ImuRecording, initial: Initial, world: Environment) -> Motion:
     t, gyro, accel = recording.t, recording.gyro, recording.accel
     if not len(recording):
         raise ValueError("the recording has no samples; there is nothing to integrate.")
     cure = "Leave such rows out: steps may be uneven."
     _whole("gyro", gyro, cure)
     _whole("accel", accel, cure)
-    start = _start(recording, initial)
+    start, fall = _start(recording, initial, world), falls(t, world.g_N, world.omega_IN_N)
     values = between(t, np.hstack([gyro, accel]), magnus.GAUSS)
     dtheta, dv, dp = magnus.increments(np.diff(t), values)
-    q, v = _turns_and_velocities(t, dtheta, dv, g_N, start)
-    R = matrix_from_quat_wxyz(q)
-    a = np.einsum("nij,nj->ni", R, accel) + g_N
-    alpha = derivatives(t, gyro, 1)[1]
-    p = _positions(t, R, v, dp, g_N, start)
-    return Motion(t, p, v, a, R, gyro, alpha, recording.t0_ns, recording.name, _long_steps(t))
+    q, v_I = _turns_and_velocities(dtheta, dv, fall[0], start)
+    R_IS = matrix_from_quat_wxyz(q)
+    p_I = _positions(t, R_IS, v_I, dp, fall[1], start)
+    p, v, R = turning_along(t, State(p_I, v_I, R_IS), world.omega_IN_N)
+    a = acceleration_in_N(np.einsum("nij,nj->ni", R, accel) + world.g_N, v, p, world.omega_IN_N)
+    omega, alpha = rates_in_N(gyro, derivatives(t, gyro, 1)[1], R, world.omega_IN_N)
+    return Motion(t, p, v, a, R, omega, alpha, recording.t0_ns, recording.name, _long_steps(t))
 
 
-def _from_increments(recording: ImuIncrements, initial: Initial, g_N: Array) -> Motion:
+def _from_increments(recording: ImuIncrements, initial: Initial, world: Environment) -> Motion:
     t, dp = recording.t, recording.dp
     cure = "What happened in a missing interval is lost: integrate what lies before and after it apart."
     for name in ("dtheta", "dv", "dp"):
         if getattr(recording, name) is not None:
             _whole(name, getattr(recording, name), cure)
-    start = _start(recording, initial)
-    q, v = _turns_and_velocities(t, recording.dtheta, recording.dv, g_N, start)
-    R, omega, alpha = quaternion_motion(*derivatives(t, q, 2))
-    p = _positions(t, R, v, dp, g_N, start) if dp is not None else _integral(t, v, start[0])
+    start, fall = _start(recording, initial, world), falls(t, world.g_N, world.omega_IN_N)
+    q, v_I = _turns_and_velocities(recording.dtheta, recording.dv, fall[0], start)
+    R_IS, omega_I, alpha_I = quaternion_motion(*derivatives(t, q, 2))
+    p_I = _positions(t, R_IS, v_I, dp, fall[1], start) if dp is not None else _integral(t, v_I, start.p_XS[0])
+    p, v, R = turning_along(t, State(p_I, v_I, R_IS), world.omega_IN_N)
+    omega, alpha = rates_in_N(omega_I, alpha_I, R, world.omega_IN_N)
     a = derivatives(t, v, 1)[1]
     return Motion(t, p, v, a, R, omega, alpha, recording.t0_ns, recording.name, _long_steps(t))
 
 
-def _start(recording: ImuRecording | ImuIncrements, initial: Initial) -> tuple[Array, Array, Array]:
+def _start(recording: ImuRecording | ImuIncrements, initial: Initial, world: Environment) -> State:
+    """The state at the first stamp, one row, in the axes that stand still where N is then."""
+    p_NS, v_NS, R_NS = _given(recording, initial)
+    return standing_still(recording.t[:1], State(p_NS[None], v_NS[None], R_NS[None]), world.omega_IN_N)
+
+
+def _given(recording: ImuRecording | ImuIncrements, initial: Initial) -> tuple[Array, Array, Array]:
     """p_NS (3,), v_NS (3,) and R_NS (3, 3) at the first stamp."""
     if isinstance(initial, Motion):
         k = _row_at(initial, recording)
@@ -130,28 +143,25 @@ def _long_steps(t: Array) -> tuple[Note, ...]:
     )
 
 
-def _turns_and_velocities(
-    t: Array, dtheta: Array, dv: Array, g_N: Array, start: tuple[Array, Array, Array]
-) -> tuple[Array, Array]:
-    """q_NS_wxyz (n, 4), sign-continuous, and v_NS (n, 3)."""
-    q, v = np.empty((len(t), 4)), np.empty((len(t), 3))
-    _, v[0], R_NS = start
-    q[0] = quat_wxyz_from_matrix(R_NS)
-    _accumulate(argument(t), argument(dtheta), argument(dv), argument(g_N), q, v)
+def _turns_and_velocities(dtheta: Array, dv: Array, fall: Array, start: State) -> tuple[Array, Array]:
+    """q_IS_wxyz (n, 4), sign-continuous, and v_I (n, 3); `fall` (n - 1, 3) m/s is what gravity adds."""
+    q, v = np.empty((len(dtheta) + 1, 4)), np.empty((len(dtheta) + 1, 3))
+    v[0] = start.v_XS[0]
+    q[0] = quat_wxyz_from_matrix(start.R_XS[0])
+    _accumulate(argument(dtheta), argument(dv), argument(fall), q, v)
     return q, v
 
 
 @kernel
-def _accumulate(t: Array, dtheta: Array, dv: Array, g_N: Array, q: Array, v: Array) -> None:
-    for k in range(t.shape[0] - 1):
-        step = t[k + 1] - t[k]
+def _accumulate(dtheta: Array, dv: Array, fall: Array, q: Array, v: Array) -> None:
+    for k in range(dtheta.shape[0]):
         w, x, y, z = q[k]
         a, b, c = dv[k]
         # R v = v + 2 w (u x v) + 2 u x (u x v) with u the vector part.
         i, j, l = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
-        v[k + 1, 0] = v[k, 0] + (step * g_N[0] + (a + w * i + y * l - z * j))
-        v[k + 1, 1] = v[k, 1] + (step * g_N[1] + (b + w * j + z * i - x * l))
-        v[k + 1, 2] = v[k, 2] + (step * g_N[2] + (c + w * l + x * j - y * i))
+        v[k + 1, 0] = v[k, 0] + (fall[k, 0] + (a + w * i + y * l - z * j))
+        v[k + 1, 1] = v[k, 1] + (fall[k, 1] + (b + w * j + z * i - x * l))
+        v[k + 1, 2] = v[k, 2] + (fall[k, 2] + (c + w * l + x * j - y * i))
         a, b, c = dtheta[k]
         angle = np.sqrt(a * a + b * b + c * c)
         half = 0.5 if angle == 0.0 else np.sin(0.5 * angle) / angle
@@ -166,12 +176,9 @@ def _accumulate(t: Array, dtheta: Array, dv: Array, g_N: Array, q: Array, v: Arr
         q[k + 1, 0], q[k + 1, 1], q[k + 1, 2], q[k + 1, 3] = scale * w, scale * x, scale * y, scale * z
 
 
-def _positions(
-    t: Array, R: Array, v: Array, dp: Array, g_N: Array, start: tuple[Array, Array, Array]
-) -> Array:
-    step = np.diff(t)[:, None]
-    gains = step * v[:-1] + 0.5 * step * step * g_N + np.einsum("nij,nj->ni", R[:-1], dp)
-    return _summed(start[0], gains)
+def _positions(t: Array, R: Array, v: Array, dp: Array, fall: Array, start: State) -> Array:
+    gains = np.diff(t)[:, None] * v[:-1] + fall + np.einsum("nij,nj->ni", R[:-1], dp)
+    return _summed(start.p_XS[0], gains)
 
 
 def _integral(t: Array, v: Array, p_NS: Array) -> Array:

@@ -6,8 +6,6 @@ import dataclasses
 import difflib
 import json
 import os
-import zipfile
-import zlib
 from typing import Any, NamedTuple, get_args, get_type_hints
 
 import numpy as np
@@ -15,10 +13,13 @@ import numpy.typing as npt
 
 from kreisel import discovery
 from kreisel.atomic import replacing
+from kreisel.data.archive import arrays_in
 from kreisel.data.checks import read_only
+from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.estimate import filters as at
-from kreisel.estimate.answers import Columns
+from kreisel.estimate.answers import Columns, show
 from kreisel.estimate.filters import Array, AttitudeFilter
+from kreisel.maths.kinematics import linear_acceleration
 
 FILTERS = "kreisel.estimate.filters"
 VERSION = 1
@@ -107,11 +108,12 @@ class Stream:
 
     def snapshot(self) -> Snapshot:
         """Everything that is known now, as a value of its own."""
-        columns = Columns.of(1, 1)
-        columns.fill(0, self._state[None, None, : at.ANSWER], read_only(self._sample[None, None, 3:6]))
-        R_NS, gyro_bias, a_N = (column[0, 0] for column in columns[:3])
-        flags = (bool(column[0, 0]) for column in columns[3:])
-        return Snapshot(read_only(R_NS), read_only(gyro_bias), read_only(a_N), self.heading_offset, *flags)
+        out = Columns.of((1,), bias=True)
+        show(self._state, out)
+        a_N = linear_acceleration(out.R_NS, self._sample[None, 3:6], STANDARD_GRAVITY)
+        R_NS, gyro_bias, a_N = (read_only(column[0]) for column in (out.R_NS, out.gyro_bias, a_N))
+        flags = (bool(column[0]) for column in (out.rest, out.disturbed, out.held))
+        return Snapshot(R_NS, gyro_bias, a_N, self.heading_offset, *flags)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write filter, tuning and state to an NPZ archive, the whole file or none, from which `load` goes on.
@@ -188,18 +190,9 @@ def _archive(path: str | os.PathLike[str]) -> dict[str, npt.NDArray[Any]]:
     """The arrays of a saved stream; ValueError where the file is something else or cut off."""
     refusal = f"{os.fspath(path)} is not a stream that Stream.save has written"
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        EOFError,
-        KeyError,
-        ValueError,
-        AttributeError,
-        NotImplementedError,
-    ):
-        raise ValueError(f"{refusal}: it is no whole NPZ archive of plain arrays.") from None
+        arrays = arrays_in(path)
+    except ValueError as error:
+        raise ValueError(f"{refusal}: {error}") from None
     line = str(arrays.get(_SCHEMA, "nothing"))
     noun, _, version = line.partition(":")[0].partition(" ")
     if noun != "Stream":

@@ -1,6 +1,7 @@
 """Turns a recording at rest into its Allan deviation, and that into white noise N, bias instability B, random walk K.
 
-Coefficients are those of IEEE Std 952: the Allan variance is N^2 / tau + (2 ln 2 / pi) B^2 + K^2 tau / 3.
+Coefficients are those of IEEE Std 952: the Allan variance is N^2 / tau + (2 ln 2 / pi) B^2 + K^2 tau / 3. They are
+those that make the record likeliest, not a fit to the curve; docs/decisions/0036 says why.
 """
 
 from __future__ import annotations
@@ -11,10 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.data.checks import Array, as_array, choice, finite, read_only, scalar
+from kreisel.data.checks import Array, as_array, choice, finite, instance, read_only, scalar
 from kreisel.data.noise import NoiseModel
-from kreisel.data.recording import ImuRecording
-from kreisel.maths.allan import Sizes, covariance_forms, overlapping_variances, terms
+from kreisel.data.recording import SOURCE, ImuRecording
+from kreisel.maths.allan import Sizes, overlapping_variances, terms, variance_forms
+from kreisel.maths.noise_likelihood import likeliest, lower_end, powers, upper_end, without
 
 SENSORS = ("gyro", "accel")
 TERMS = ("N", "B", "K")
@@ -28,11 +30,9 @@ _LONGEST_SHARE = 3
 # A step this far from the median, relatively, is no jitter of stamps: samples are missing or bunched.
 _UNEVEN = 0.5
 
-# A term is visible when its square is this many times the standard error that it would have if it were absent.
-_VISIBLE = 3.0
+# A term is visible when a record without it would look like this one in one of a thousand cases: z^2 at z = 3.
+_VISIBLE = 9.0
 
-_PASSES = 10
-_ONE_SIDED = 1.645  # standard errors of a normal distribution, 95 %
 _QUANTILES = (0.025, 0.975)
 
 
@@ -40,7 +40,7 @@ _QUANTILES = (0.025, 0.975)
 class AllanTerm:
     """One coefficient per axis with its 95 % interval, in SI units.
 
-    Where the record does not show the term its value is NaN, low is zero and high is what it would have shown.
+    Where the record does not show the term its value is NaN, low is zero and high is the most that it can be.
     """
 
     value: Array  # (axes,)
@@ -85,6 +85,7 @@ def allan(recording: ImuRecording, sensor: str = "gyro") -> AllanFit:
     Raises ValueError for missing samples and gaps, naming where, an axis that never changes, and records of
     fewer than 32 samples. A sensor that was moved shows its motion as noise: nothing here can tell.
     """
+    instance("recording", recording, ImuRecording, SOURCE)
     choice("sensor", sensor, SENSORS)
     samples: Array = getattr(recording, sensor)
     rate_hz = _even_rate(recording.t)
@@ -94,8 +95,8 @@ def allan(recording: ImuRecording, sensor: str = "gyro") -> AllanFit:
     if still.any():
         axis = "xyz"[int(np.argmax(still))]
         raise ValueError(f"{sensor} {axis} has no noise: it never changes. Is the axis connected?")
-    forms = covariance_forms(len(samples), sizes)
-    axes = [_fit(v, sizes, forms) for v in variances.T]
+    forms = variance_forms(len(samples), sizes)
+    axes = [_fit(column, sizes, forms) for column in samples.T]
     low, high = (np.column_stack([axis.band[k] for axis in axes]) for k in (0, 1))
     deviation = np.sqrt(variances)
     return AllanFit(
@@ -165,92 +166,25 @@ class _Axis(NamedTuple):
     band: tuple[Array, Array]  # each (k,): interval of the deviation, relative to it
 
 
-def _fit(variances: Array, sizes: Sizes, forms: Array) -> _Axis:
-    """Weighted least squares on the variances, without the terms that would come out negative.
+def _fit(samples: Array, sizes: Sizes, forms: Array) -> _Axis:
+    """Likeliest terms, with intervals of all values that are not much less likely, whatever the other terms then are.
 
-    A term too weak to be reported stays in the model, so that the others do not answer for it; of two that bend
-    the same end of the curve and are both too weak the likelier has it to itself.
+    A term too weak to be reported stays in the model, so that the others do not answer for it.
     """
-    whole = solution = _least_squares(variances, sizes, forms, (0, 1, 2))
-    while len(solution.kept) > 1 and _too_many(solution):
-        weakest = min(solution.kept, key=lambda k: float(solution.clarity[k]))
-        kept = tuple(k for k in solution.kept if k != weakest)
-        solution = _least_squares(variances, sizes, forms, kept)
-    theta, shown = solution.theta, solution.clarity >= _VISIBLE
-    with np.errstate(invalid="ignore", divide="ignore"):
-        low, high = _interval(2.0 * (theta / solution.error) ** 2)
+    found = powers(samples)
+    best = likeliest(found)
+    shown = np.array([without(found, best, k) >= _VISIBLE for k in range(3)])
     return _Axis(
-        np.where(shown, theta, np.nan),
-        np.where(shown, theta * low, 0.0),
-        np.where(shown, theta * high, _limits(whole, forms)),
-        _band(theta, sizes, forms),
+        np.where(shown, best.theta, np.nan),
+        np.array([lower_end(found, best, k) if shown[k] else 0.0 for k in range(3)]),
+        np.array([upper_end(found, best, k) for k in range(3)]),
+        _band(best.theta, sizes, forms),
     )
 
 
-class _Solution(NamedTuple):
-    kept: tuple[int, ...]
-    solver: Array  # (kept, k): theta = solver @ variances
-    theta: Array  # (3,), zero where not kept
-    error: Array  # (3,) standard; infinite where not kept
-    clarity: Array  # (3,): theta over the error that it would have if it were none
-
-
-def _too_many(solution: _Solution) -> bool:
-    negative = solution.clarity[list(solution.kept)].min() < 0.0
-    return bool(negative or (len(solution.kept) == 3 and (solution.clarity[1:] < _VISIBLE).all()))
-
-
-def _least_squares(variances: Array, sizes: Sizes, forms: Array, kept: tuple[int, ...]) -> _Solution:
-    """Weights are the inverse variances that the model found predicts; errors count the correlation between sizes."""
-    A = terms(sizes)[:, kept]
-    theta = np.zeros(3)
-    # To begin with all white, which is what weighs the short clusters, the surest ones, most.
-    guess = np.array([variances[0] * sizes[0], 0.0, 0.0])
-    for _ in range(_PASSES):
-        root = 1.0 / np.sqrt(np.diagonal(_covariance(guess, forms)))
-        scale = np.linalg.norm(A * root[:, None], axis=0)
-        solver = np.linalg.pinv(A * root[:, None] / scale) * root / scale[:, None]
-        theta[list(kept)] = solver @ variances
-        guess = np.maximum(theta, 0.0)
-    error, clarity = np.full(3, np.inf), np.full(3, -np.inf)
-    for row, k in zip(solver, kept, strict=True):
-        error[k] = _error(row, guess, forms)
-        absent = _error(row, np.where(np.arange(3) == k, 0.0, guess), forms)
-        clarity[k] = theta[k] / absent if absent > 0.0 else np.inf
-    return _Solution(kept, solver, theta, error, clarity)
-
-
-def _limits(whole: _Solution, forms: Array) -> Array:
-    """(3,) theta above which each term would have come out larger in 95 of 100 records or more.
-
-    `whole` keeps all three. A term present comes out as chi squared about itself, beside the error that the other
-    terms make; each of the two gets its 95 % quantile, which errs to the safe side.
-    """
-    from scipy.special import gammaincinv
-
-    guess = np.maximum(whole.theta, 0.0)
-    limits = np.empty(3)
-    for k, row in enumerate(whole.solver):
-        alone = np.arange(3) == k
-        others = _ONE_SIDED * _error(row, np.where(alone, 0.0, guess), forms)
-        half = 1.0 / _error(row, alone.astype(np.float64), forms) ** 2
-        limits[k] = (guess[k] + others) * half / gammaincinv(half, 0.05)
-    return limits
-
-
-def _error(row: Array, theta: Array, forms: Array) -> float:
-    return float(np.sqrt(row @ _covariance(theta, forms) @ row))
-
-
-def _covariance(theta: Array, forms: Array) -> Array:
-    """Covariances (k, k) of the estimated variances under the model."""
-    return np.asarray(forms.reshape(*forms.shape[:2], 9) @ np.outer(theta, theta).ravel())
-
-
 def _band(theta: Array, sizes: Sizes, forms: Array) -> tuple[Array, Array]:
-    guess = np.maximum(theta, 0.0)
-    spread = np.diagonal(_covariance(guess, forms))
-    low, high = _interval(2.0 * (terms(sizes) @ guess) ** 2 / spread)
+    spread = forms.reshape(len(sizes), 9) @ np.outer(theta, theta).ravel()
+    low, high = _interval(2.0 * (terms(sizes) @ theta) ** 2 / spread)
     return np.sqrt(low), np.sqrt(high)
 
 

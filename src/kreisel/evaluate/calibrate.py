@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from kreisel.data.calibration import TriadCalibration
-from kreisel.data.checks import Array, scalar
+from kreisel.data.checks import Array, instance, scalar
 from kreisel.data.environment import STANDARD_GRAVITY
-from kreisel.data.recording import ImuRecording
+from kreisel.data.recording import SOURCE, ImuRecording
 from kreisel.evaluate.stillness import still_windows
 from kreisel.maths.ellipsoid import Ellipsoid, fit_ellipsoid, spread_of_inverse
 from kreisel.maths.rotations import exp_so3
@@ -52,6 +52,7 @@ def calibrate_gyro(recording: ImuRecording) -> TriadCalibration:
 
     Raises ValueError where there are less than two seconds of rest. Earth's rate, 0.004 deg/s, is part of it.
     """
+    instance("recording", recording, ImuRecording, SOURCE)
     still = still_windows(recording)
     if len(still.gyro) < _FEWEST_WINDOWS:
         raise ValueError(
@@ -70,6 +71,7 @@ def calibrate_accel(recording: ImuRecording, gravity: float = STANDARD_GRAVITY) 
     together changes no length, so the axes are those the triad has on average.
     Raises ValueError for too few poses, and names an axis that gravity never pointed along.
     """
+    instance("recording", recording, ImuRecording, SOURCE)
     gravity = scalar("gravity", gravity, "m/s^2", 0.1, 100.0)
     points, sigma = _poses(recording)
     _check_span("accel", points, "Lay the sensor on each of its six sides for a few seconds.")
@@ -93,6 +95,7 @@ def calibrate_mag(recording: ImuRecording, field_uT: float | None = None) -> Fie
     matrix is symmetric.
     Raises ValueError for a recording without magnetometer or one that never turned enough, naming the axis.
     """
+    instance("recording", recording, ImuRecording, SOURCE)
     if recording.mag_uT is None:
         raise ValueError("this recording has no magnetometer.")
     seen = np.isfinite(recording.mag_uT).all(axis=1)

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from kreisel.data.checks import Array, read_only
-from kreisel.maths.rotations import exp_so3, geodesic, log_so3
+from kreisel.maths.rotations import exp_so3, geodesic, log_so3, nearest_rotation
 
 KINDS = ("heading", "frame", "frame+sensor")
 
@@ -137,7 +137,7 @@ def _start(truth: Track, estimate: Track, kind: str, clock: float) -> Offsets:
     if kind == "heading":
         turn = np.arctan2(total[1, 0] - total[0, 1], total[0, 0] + total[1, 1])
         return Offsets(np.array([0.0, 0.0, turn]), clock=clock)
-    return Offsets(log_so3(_nearest_rotation(total)), log_so3(sensor), clock)
+    return Offsets(log_so3(nearest_rotation(total)), log_so3(sensor), clock)
 
 
 def _sensor_from_turns(R_true: Array, R_est: Array) -> Array:
@@ -145,13 +145,7 @@ def _sensor_from_turns(R_true: Array, R_est: Array) -> Array:
     half = (len(R_true) + 1) // 2
     turns_true = log_so3(np.swapaxes(R_true[:-half], -1, -2) @ R_true[half:])
     turns_est = log_so3(np.swapaxes(R_est[:-half], -1, -2) @ R_est[half:])
-    return _nearest_rotation(turns_true.T @ turns_est)
-
-
-def _nearest_rotation(M: Array) -> Array:
-    U, _, Vt = np.linalg.svd(M)
-    U[:, 2] *= np.linalg.det(U) * np.linalg.det(Vt)
-    return np.asarray(U @ Vt)
+    return nearest_rotation(turns_true.T @ turns_est)
 
 
 def _design(truth: Track, kind: str, fit_clock: bool) -> Array:

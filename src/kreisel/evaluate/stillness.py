@@ -19,6 +19,13 @@ _TIMES_QUIETEST = 3.0
 # The quietest windows of a sensor that never rests scatter more than any sensor's noise.
 _NOISE_AT_MOST = {"gyro": 0.05, "accel": 0.5}  # rad/s and m/s^2
 
+# Means of neighbouring windows at rest differ by noise alone: by 2 standard errors of a mean as a rule, by 7 at most in
+# ten BROAD trials. A slow and smooth turn scatters as little as rest does, but its means run away.
+_STEP_AT_MOST = 12.0
+
+# A perfect sensor has no noise at all, and a simulated one may be: this share of _NOISE_AT_MOST is always allowed.
+_ALWAYS = 0.02
+
 # rad/s; a steady turn scatters as little as rest. No bias of a gyro that is worth a calibration is larger.
 _SLOWEST_TURN = 0.35
 
@@ -41,19 +48,21 @@ def still_windows(recording: ImuRecording) -> Still:
     edges = edges[np.concatenate([[True], np.diff(edges) >= 4])]
     if len(edges) < 2:
         return Still(np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros((0, 3)))
-    gyro, gyro_scatter = _statistics(recording.gyro, edges)
-    accel, accel_scatter = _statistics(recording.accel, edges)
-    slow = np.linalg.norm(gyro, axis=1) < _SLOWEST_TURN
-    calm = [_quiet(gyro_scatter, _NOISE_AT_MOST["gyro"]), _quiet(accel_scatter, _NOISE_AT_MOST["accel"])]
-    still: npt.NDArray[np.bool_] = np.asarray(np.stack([*calm, slow]).all(axis=0))
-    padded = np.concatenate([[True], still, [True]])
-    inside = still & padded[:-2] & padded[2:]
-    stretch = np.cumsum(np.concatenate([[True], ~still[:-1]]))
+    gyro, gyro_error, gyro_quiet = _statistics(recording.gyro, edges, _NOISE_AT_MOST["gyro"])
+    accel, accel_error, accel_quiet = _statistics(recording.accel, edges, _NOISE_AT_MOST["accel"])
+    still = gyro_quiet & accel_quiet & (np.linalg.norm(gyro, axis=1) < _SLOWEST_TURN)
+    steady = _steady(gyro, gyro_error, _NOISE_AT_MOST["gyro"])
+    steady &= _steady(accel, accel_error, _NOISE_AT_MOST["accel"])
+    goes_on = still[:-1] & still[1:] & steady
+    inside = still & np.concatenate([[True], goes_on]) & np.concatenate([goes_on, [True]])
+    stretch = np.cumsum(np.concatenate([[True], ~goes_on]))
     return Still(np.unique(stretch[inside], return_inverse=True)[1], gyro[inside], accel[inside])
 
 
-def _statistics(x: Array, edges: npt.NDArray[np.int64]) -> tuple[Array, Array]:
-    """Mean (w, 3) and standard deviation (w,), over the axes together, between neighbouring edges."""
+def _statistics(
+    x: Array, edges: npt.NDArray[np.int64], at_most: float
+) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
+    """Mean (w, 3) between neighbouring edges, its standard error (w,), axes together, and whether it was quiet (w,)."""
     x = x[edges[0] : edges[-1]]
     good: npt.NDArray[np.bool_] = np.asarray(np.isfinite(x).all(axis=1))
     starts = edges[:-1] - edges[0]
@@ -63,7 +72,18 @@ def _statistics(x: Array, edges: npt.NDArray[np.int64]) -> tuple[Array, Array]:
         # Means are taken off first: the square of gravity would drown the scatter.
         away = np.where(good[:, None], x - np.repeat(mean, np.diff(edges), axis=0), 0.0)
         scatter = np.sqrt(np.add.reduceat(np.sum(away**2, axis=1), starts) / (3.0 * count))
-    return mean, np.where(count >= 4, scatter, np.nan)
+    return (
+        mean,
+        scatter / np.sqrt(np.maximum(count, 1.0)),
+        _quiet(np.where(count >= 4, scatter, np.nan), at_most),
+    )
+
+
+def _steady(mean: Array, error: Array, at_most: float) -> npt.NDArray[np.bool_]:
+    """Whether each window's mean goes on in the next one (w - 1,)."""
+    step = np.linalg.norm(np.diff(mean, axis=0), axis=1)
+    allowed = np.maximum(_STEP_AT_MOST * np.maximum(error[1:], error[:-1]), _ALWAYS * at_most)
+    return np.asarray(step <= allowed)
 
 
 def _quiet(scatter: Array, at_most: float) -> npt.NDArray[np.bool_]:
@@ -71,5 +91,4 @@ def _quiet(scatter: Array, at_most: float) -> npt.NDArray[np.bool_]:
     if not seen.size:
         return np.zeros(len(scatter), dtype=np.bool_)
     floor = float(np.quantile(seen, 0.1))
-    # A perfect sensor has no noise at all, and a simulated one may be.
-    return np.asarray(scatter <= min(at_most, max(_TIMES_QUIETEST * floor, 0.02 * at_most)))
+    return np.asarray(scatter <= min(at_most, max(_TIMES_QUIETEST * floor, _ALWAYS * at_most)))

@@ -24,6 +24,12 @@ GROUPS: dict[str, tuple[tuple[str, ...], str, str]] = {
     "gyro_bias": (("gyro_bias_x", "gyro_bias_y", "gyro_bias_z"), "rate", "rad/s"),
     # Not plain sigma_x: elsewhere that is the uncertainty of a position.
     "sigma": (("sigma_dtheta_x", "sigma_dtheta_y", "sigma_dtheta_z"), "angle", "rad"),
+    "gyro_sigma": (("gyro_sigma_x", "gyro_sigma_y", "gyro_sigma_z"), "rate", "rad/s"),
+    "accel_sigma": (("accel_sigma_x", "accel_sigma_y", "accel_sigma_z"), "acceleration", "m/s^2"),
+    "theta_sigma": (("theta_sigma_x", "theta_sigma_y", "theta_sigma_z"), "angle", "rad"),
+    "a_sigma": (("a_sigma_x", "a_sigma_y", "a_sigma_z"), "acceleration", "m/s^2"),
+    "omega_sigma": (("omega_sigma_x", "omega_sigma_y", "omega_sigma_z"), "rate", "rad/s"),
+    "alpha_sigma": (("alpha_sigma_x", "alpha_sigma_y", "alpha_sigma_z"), "angular acceleration", "rad/s^2"),
     "rest": (("rest",), "number", ""),
     "disturbed": (("disturbed",), "number", ""),
     "held": (("held",), "number", ""),

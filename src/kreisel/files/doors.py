@@ -85,7 +85,7 @@ def read(
     path : the file, or the folder of a ROS 2 bag. Other worlds than ENU/FLU are turned with `to_enu_flu` afterwards.
     format : one of `format_names()`, such as "csv"; None to tell by suffix and content.
     kind : "poses", "motion", "imu", "attitude", "reference" or "trial" to insist on one. A motion is taken
-        as poses, a motion or poses as attitude, and of a trial the recording or the reference.
+        as poses, a motion or poses as attitude, and of a trial the recording, the reference or the poses.
     columns : for csv, our name -> the file's header, its unit in brackets where the header has none:
         ``{"t": "Time [ms]", "p_x": "X [mm]"}``; "#3" is the third column.
     rate_hz, times : for files without time, the rate in Hz or a file with one stamp in seconds per row.
@@ -234,4 +234,6 @@ def _as_kind(data: Content, kind: str | None, path: Path) -> Content:
         return data.recording
     if isinstance(data, Trial) and kind == "reference":
         return data.reference
+    if isinstance(data, Trial) and kind == "poses" and data.poses is not None:
+        return data.poses
     raise ValueError(f"{path} holds {KINDS[have]}, not {KINDS[kind]}.")

@@ -70,42 +70,34 @@ def terms(sizes: Sizes) -> Array:
     return np.column_stack([1.0 / m, np.full(len(m), FLOOR), m / 3.0])
 
 
-def covariance_forms(samples: int, sizes: Sizes) -> Array:
-    """Forms Q (k, k, 3, 3): estimates at sizes i and j from one record have covariance theta^T Q_ij theta.
+def variance_forms(samples: int, sizes: Sizes) -> Array:
+    """Forms Q (k, 3, 3): the estimate at size i from one record has variance theta^T Q_i theta.
 
     samples : length of the record.
-    The estimates are mean squares of Gaussian second differences d of the phase, and the covariance of two
+    An estimate is the mean square of Gaussian second differences d of the phase, and the covariance of two
     squares is twice the square of that of d. Of d it follows from generalised covariances of the phase at lag h,
     -|h| / 2 for white noise, h^2 ln|h| / (2 pi) for flicker and |h|^3 / 12 for random walk: what those leave
     open is a polynomial that second differences remove.
     Source: C. A. Greenhall and W. J. Riley, "Uncertainty of stability variances based on finite differences",
     35th PTTI meeting (2003); the sums over lags are ours.
     """
-    k = len(sizes)
-    forms = np.empty((k, k, 3, 3))
-    for i in range(k):
-        for j in range(i, k):
-            forms[i, j] = forms[j, i] = _form(samples + 1, int(sizes[i]), int(sizes[j]))
-    return forms
+    return np.array([_form(samples + 1 - 2 * int(m), int(m)) for m in sizes])
 
 
-def _form(phases: int, m: int, larger: int) -> Array:
-    count, fewer = phases - 2 * m, phases - 2 * larger
-    lag, weight = _lags(count, fewer, m, larger)
-    pairs = np.minimum(np.minimum(count - lag, fewer + lag), fewer)
-    c = _cross_covariances(lag, m, larger)
-    scale = 2.0 / (4.0 * float(m) ** 2 * float(larger) ** 2 * count * fewer)
-    return np.asarray(scale * (c * (weight * pairs)) @ c.T)
+def _form(count: int, m: int) -> Array:
+    lag, weight = _lags(count, m)
+    c = _covariances(lag, m)
+    scale = 2.0 / (4.0 * float(m) ** 4 * float(count) ** 2)
+    return np.asarray(scale * (c * (weight * (count - np.abs(lag)))) @ c.T)
 
 
-def _cross_covariances(lag: Array, m: int, larger: int) -> Array:
-    """Covariances (3, lags) of second differences over m and over `larger`, for theta of ones."""
-    steps = np.array([0, 1, 2])
-    shift = (steps[:, None] * m - steps * larger).ravel()
-    sign = np.outer([1.0, -2.0, 1.0], [1.0, -2.0, 1.0]).ravel()
+def _covariances(lag: Array, m: int) -> Array:
+    """Covariances (3, lags) of second differences over m, for theta of ones."""
+    shift = m * np.arange(-2.0, 3.0)
+    sign = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
     h = np.abs(lag[:, None] + shift)
     # Any unit of h inside the logarithm does: the difference is a polynomial. This one keeps digits.
-    logarithm = np.log(np.where(h > 0.0, h, 1.0) / larger)
+    logarithm = np.log(np.where(h > 0.0, h, 1.0) / m)
     return np.stack([-0.5 * h @ sign, (h * h * logarithm) @ sign / (2.0 * np.pi), h**3 @ sign / 12.0])
 
 
@@ -113,18 +105,15 @@ def _cross_covariances(lag: Array, m: int, larger: int) -> Array:
 _FEW = 48
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 
-# Beyond the last of these, in units of both sizes, the covariance (flicker's, the square of h^-2) adds < 1e-5.
-_TAILS = (2.0, 4.0, 8.0, 16.0)
+# Beyond the last of these, in units of 2 m, the covariance (flicker's, the square of h^-2) adds < 1e-5.
+_TAILS = (1, 2, 4, 8, 16)
 
 
-def _lags(count: int, fewer: int, m: int, larger: int) -> tuple[Array, Array]:
-    """Lags and weights that sum any function smooth between its kinks over all lags two windows can have."""
-    kinks = {j * larger - i * m for i in range(3) for j in range(3)} | {0, count - fewer}
-    centre, width = larger - m, larger + m
-    kinks |= {centre + side * int(tail * width) for tail in _TAILS for side in (-1, 1)}
-    low = max(-fewer, centre - int(_TAILS[-1] * width))
-    high = min(count, centre + int(_TAILS[-1] * width))
-    edges = sorted({low, high} | {k for k in kinks if low < k < high})
+def _lags(count: int, m: int) -> tuple[Array, Array]:
+    """Lags and weights that sum any function smooth between its kinks over all lags two of `count` differences have."""
+    kinks = {0, m} | {2 * tail * m for tail in _TAILS}
+    high = min(count, 2 * _TAILS[-1] * m)
+    edges = sorted({side * k for k in {*kinks, high} if k <= high for side in (-1, 1)})
     pieces = [_piece(a, b) for a, b in pairwise(edges)]
     return np.concatenate([p[0] for p in pieces]), np.concatenate([p[1] for p in pieces])
 

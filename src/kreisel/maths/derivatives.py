@@ -148,23 +148,23 @@ def _evaluate(knots: Array, degree: int, coefficients: Array, t: Array, out: Arr
                 out[k, row, c] = total
 
 
-def noise_level(t: Array, x: Array) -> Array:
+def noise_level(t: Array, x: Array, places: int = 2000) -> Array:
     """Standard deviation (c,) of white noise in samples `x` (n, c) at `t` (n,) s; 0 where none can be seen.
 
     Differences of rising order, scaled to leave white noise as it is, make everything smooth vanish: what
     stops shrinking is noise. Divided differences serve, so that uneven steps do no harm, and a median over
-    the recording, so that a few jumps of the signal do not look like noise.
+    the recording, at up to `places` places, so that a few jumps of the signal do not look like noise.
     """
     orders = [k for k in (8, 12, 16, 20, 24) if k <= (len(t) - 1) // 3]
     if len(orders) < 2:
         return np.zeros(x.shape[1])
-    levels = np.array([_difference_level(t, x, k) for k in orders])
+    levels = np.array([_difference_level(t, x, k, places) for k in orders[-2:]])
     # Four orders more shrink a tone of frequency f by sin(pi f / rate)^4: 0.5 stands for a third of the rate.
     settled = levels[-1] > 0.5 * levels[-2]
     return np.where(settled, levels[-1], 0.0)
 
 
-def _difference_level(t: Array, x: Array, order: int, places: int = 2000) -> Array:
+def _difference_level(t: Array, x: Array, order: int, places: int) -> Array:
     """Robust scale (c,) of normalised divided differences of `order` at up to `places` places."""
     starts = np.unique(np.linspace(0, len(t) - order - 1, places).astype(int))
     rows = starts[:, None] + np.arange(order + 1)

@@ -25,8 +25,9 @@ FIRST_YEAR, LAST_YEAR = 2010, 2029
 def normal_gravity(latitude: float, height: float) -> float:
     """Gravity of the WGS 84 ellipsoid, m/s^2, centrifugal part included.
 
-    latitude: rad, geodetic. height: m above the ellipsoid; good to 1e-6 m/s^2 below 20 km.
-    Source: NGA.STND.0036_1.0.0_WGS84 (2014), equations 4-1 (Somigliana) and 4-3.
+    latitude: rad, geodetic. height: m above the ellipsoid; good to 1.5e-6 m/s^2 below 20 km and 1.6e-4 at 100 km.
+    The Earth's own gravity differs from it by some 3e-4 m/s^2, near mountains and mines by more.
+    Source: NGA.STND.0036_1.0.0_WGS84 (2014), equations 4-1 (Somigliana) and 4-3; Groves 2013, eq. 2.134 and 2.139.
     """
     s = np.sin(latitude) ** 2
     on_the_ellipsoid = GRAVITY_AT_EQUATOR * (1.0 + SOMIGLIANA * s) / np.sqrt(1.0 - ECCENTRICITY_SQUARED * s)

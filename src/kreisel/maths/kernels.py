@@ -18,6 +18,7 @@ from typing import Any, TypeVar, cast
 import numba
 import numpy as np
 import numpy.typing as npt
+from numba.extending import intrinsic
 
 from kreisel.maths.sources import stamp
 
@@ -93,6 +94,8 @@ def argument(x: npt.ArrayLike) -> Array:
 
     numba compiles writable and read-only arrays apart; with one kind there is one compilation.
     """
+    if type(x) is np.ndarray and x.dtype == np.float64 and x.flags.c_contiguous and not x.flags.writeable:
+        return x
     view = np.ascontiguousarray(x, dtype=np.float64).view()
     view.flags.writeable = False
     return view
@@ -121,3 +124,19 @@ def inlined(function: _F) -> _F:
     numbers rather than arrays, whose reference counts cost more still (a filter step of 60 ns took 260).
     """
     return _compiled(function, forceinline=True)
+
+
+@cast(Any, intrinsic)
+def wide_vectors(context: Any) -> Any:
+    """Called in a kernel: its loops may use the widest vectors there are, 512 bits where the compiler prefers 256.
+
+    For loops over lanes whose operations wait for each other: half as many vectors wait half as long. Widths change
+    no result. The kernel that such a kernel is called from must call this as well, for it may swallow the other.
+    """
+
+    def generate(target: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        # Past llvmlite's list of names: it knows no attribute with a value, but writes what it is given.
+        set.add(builder.function.attributes, '"prefer-vector-width"="512"')
+        return target.get_dummy_value()
+
+    return numba.types.none(), generate

@@ -141,6 +141,13 @@ def geodesic(R0: Array, R1: Array, share: Array) -> Array:
     return np.asarray(R0 @ exp_so3(step))
 
 
+def nearest_rotation(M: Array) -> Array:
+    """The rotation R (3, 3) with the largest trace of R^T M, for M (3, 3): Wahba's problem (Markley 1988)."""
+    U, _, Vt = np.linalg.svd(M)
+    U[:, 2] *= np.linalg.det(U) * np.linalg.det(Vt)
+    return np.asarray(U @ Vt)
+
+
 def skew(v: Array) -> Array:
     """Matrices [v]x (..., 3, 3) with [v]x u = v x u, for v (..., 3)."""
     x, y, z = np.moveaxis(np.asarray(v, dtype=np.float64), -1, 0)

@@ -63,18 +63,41 @@ def unit(a: Vector) -> Vector:
 
 
 @inlined
-def inverse_root_near_one(e: float) -> float:
-    """1 / sqrt(1 + e), in half the time where 1 + e is the squared norm of what was a unit vector a step ago."""
-    if abs(e) > 1e-4:
+def inverse_root_near_one(e: float, near: bool = False) -> float:
+    """1 / sqrt(1 + e), in half the time where 1 + e is the squared norm of what was a unit vector a step ago.
+
+    near : the caller knows that abs(e) <= 1e-4.
+    """
+    if not near and abs(e) > 1e-4:
         return 1.0 / math.sqrt(1.0 + e)
     # The next term, 35/128 e^4, is below 3e-17.
     return (1.0 - 0.5 * e) + (e * e) * (0.375 - 0.3125 * e)
 
 
 @inlined
-def exp_factors(a2: float) -> tuple[float, float]:
-    """sin(a) / a and (1 - cos(a)) / a^2 from a^2, with which Exp(v) = 1 + s [v]x + c [v]x^2 for abs(v) = a."""
-    if a2 < 0.01:
+def nearest_rotation(rows: Rows, c: float, near: bool = False) -> Rows:
+    """The rotation nearest to rows x, y, x cross y, of unit vectors x and y whose product c is small.
+
+    Seen from halfway between them both give up as much: x + y and x - y are at right angles whatever x and y are.
+    near : the caller knows that abs(c) < 1e-8.
+    """
+    x, y, z = rows
+    if abs(c) < 1e-13:
+        return rows
+    if near or abs(c) < 1e-8:
+        return added(x, -0.5 * c, y), added(y, -0.5 * c, x), z
+    of_sum, of_difference = 1.0 / math.sqrt(1.0 + c), 1.0 / math.sqrt(1.0 - c)
+    a, b, k = 0.5 * (of_difference + of_sum), 0.5 * (of_difference - of_sum), of_sum * of_difference
+    return added(scaled(a, x), -b, y), added(scaled(a, y), -b, x), scaled(k, z)
+
+
+@inlined
+def exp_factors(a2: float, near: bool = False) -> tuple[float, float]:
+    """sin(a) / a and (1 - cos(a)) / a^2 from a^2, with which Exp(v) = 1 + s [v]x + c [v]x^2 for abs(v) = a.
+
+    near : the caller knows that a^2 is below 0.01.
+    """
+    if near or a2 < 0.01:
         # The next terms, a^10 / 11! and a^10 / 12!, are below 3e-18.
         s = 1.0 + a2 * (-1.0 / 6.0 + a2 * (1.0 / 120.0 + a2 * (-1.0 / 5040.0 + a2 * (1.0 / 362880.0))))
         c = 0.5 + a2 * (-1.0 / 24.0 + a2 * (1.0 / 720.0 + a2 * (-1.0 / 40320.0 + a2 * (1.0 / 3628800.0))))

@@ -22,7 +22,8 @@ _FLOOR = float(np.sqrt(2.0 * np.log(2.0) / np.pi))
 _SHARE = 0.15
 
 # Share of the drawn asymptote at which its name stands.
-_NAME_AT = {"N": 0.85, "B": 0.2, "K": 0.2}
+_NAME_AT = {"N": 0.82, "B": 0.2, "K": 0.16}
+_ROOM = 1.8  # a name needs so many times the lowest value on paper
 
 
 def plot_allan(fit: AllanFit) -> Figure:
@@ -106,7 +107,7 @@ def _asymptotes(axes: Axes, fit: AllanFit, factor: float) -> None:
 
 def _name(axes: Axes, term: str, tau: Array, line: Array) -> None:
     """The term's name below its line, along it, towards the end that no curve hides."""
-    seen = np.flatnonzero(np.isfinite(line))
+    seen = np.flatnonzero(line > _ROOM * axes.get_ylim()[0])
     at = seen[int(_NAME_AT[term] * (len(seen) - 1))]
     slope = {"N": -0.5, "B": 0.0, "K": 0.5}[term]
     text = {"N": "N: white noise", "B": "B: bias instability", "K": "K: random walk"}[term]

@@ -53,6 +53,11 @@ class Sampling:
             return x[rows]
         if len(t) < 4:
             raise ValueError(f"latency and window need a motion of four samples or more; got {len(t)}.")
+        back, span = self.latency + self.window, float(t[-1] - t[0])
+        if back > span:
+            raise ValueError(
+                f"latency and window, {back:g} s together, reach back beyond the whole motion of {span:g} s."
+            )
         return mean_over_window(t, x, t[rows] - self.latency, self.window)
 
 

@@ -13,16 +13,19 @@ import numpy as np
 from kreisel.data.checks import LARGEST, Array, choice, per_axis
 from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.noise import ALLAN_FLOOR, NoiseModel
+from kreisel.simulate.effects.misalignment import LARGEST_ANGLE
 from kreisel.simulate.triad import Triad
 
 _DEG = float(np.pi / 180.0)
 _G = STANDARD_GRAVITY
 _H = 3600.0
 _ONE_SIDED = float(1.0 / np.sqrt(2.0))
+_UT = 100.0
+"""Microtesla in a gauss."""
 _PEAK_TO_PEAK = 6.6
 """Peak to peak over RMS of Gaussian noise: 99.9 % of the time it stays inside."""
 
-SENSORS = ("gyro", "accel")
+SENSORS = ("gyro", "accel", "mag")
 
 
 class Parameter(NamedTuple):
@@ -102,26 +105,50 @@ _ACCEL = {
     **_BOTH,
 }
 
+_MAG = {
+    "noise_uT_rthz": Parameter("white_noise", _ONE_SIDED, "uT/sqrt(Hz)", "noise density, one-sided"),
+    "noise_ugauss_rthz": Parameter(
+        "white_noise", 1e-6 * _UT * _ONE_SIDED, "ugauss/sqrt(Hz)", "noise density, one-sided"
+    ),
+    **_noise(1.0, "uT", "uT"),
+    **_noise(1e-3 * _UT, "mgauss", "mgauss"),
+    "turn_on_bias_uT": Parameter("turn_on_bias", 1.0, "uT", "zero-field offset, one sigma"),
+    "turn_on_bias_mgauss": Parameter("turn_on_bias", 1e-3 * _UT, "mgauss", "zero-field offset, one sigma"),
+    "range_uT": Parameter("limit", 1.0, "uT", "end of the range"),
+    "range_gauss": Parameter("limit", _UT, "gauss", "end of the range"),
+    "resolution_uT": Parameter("step", 1.0, "uT", "least significant bit"),
+    "resolution_mgauss": Parameter("step", 1e-3 * _UT, "mgauss", "least significant bit"),
+    **_BOTH,
+}
+
 PARAMETERS = {
     f"{sensor}_{name}": parameter
-    for sensor, table in (("gyro", _GYRO), ("accel", _ACCEL))
+    for sensor, table in (("gyro", _GYRO), ("accel", _ACCEL), ("mag", _MAG))
     for name, parameter in table.items()
 }
 """Every number of a datasheet that can be given, by the name that wears its unit."""
 
+_RANGES = {"gyro": "deg_per_s", "accel": "g", "mag": "uT"}
 _OF_NOISE = ("white_noise", "bias_instability", "bias_random_walk", "turn_on_bias")
 
 
-def triads(values: Mapping[str, Any]) -> tuple[Triad, Triad]:
-    """Gyroscope and accelerometer from datasheet numbers by name, each one number or one per axis.
+class Triads(NamedTuple):
+    """The sensors of one part, in SI units; the magnetometer in microtesla."""
+
+    gyro: Triad
+    accel: Triad
+    mag: Triad
+
+
+def triads(values: Mapping[str, Any]) -> Triads:
+    """The sensors of a part from datasheet numbers by name, each one number or one per axis.
 
     Raises ValueError for a name that is not in PARAMETERS, for two that say the same, for a number that needs
     another one, and for values that cannot be.
     """
     for name in values:
         choice("a datasheet parameter", name, tuple(PARAMETERS))
-    gyro, accel = (_triad(sensor, values) for sensor in SENSORS)
-    return gyro, accel
+    return Triads(*(_triad(sensor, values) for sensor in SENSORS))
 
 
 def _triad(sensor: str, values: Mapping[str, Any]) -> Triad:
@@ -158,9 +185,7 @@ def _in_si(name: str, value: Any, settled: Mapping[str, Array]) -> Array:
         return parameter.factor / x
     if parameter.form == "bits":
         if "limit" not in settled:
-            raise ValueError(
-                f"{name} needs the range, {sensor}_range_{'deg_per_s' if sensor == 'gyro' else 'g'}."
-            )
+            raise ValueError(f"{name} needs the range, {sensor}_range_{_RANGES[sensor]}.")
         return parameter.factor * settled["limit"] / 2.0**x
     if parameter.form == "band":
         if "noise_bandwidth" not in settled:
@@ -173,6 +198,8 @@ def _bounds(parameter: Parameter) -> tuple[float, float]:
     """What a value may be: noise and errors of zero are perfect sensors, ranges and scales of zero are none."""
     if parameter.form == "bits":
         return 1.0, 64.0
+    if parameter.settles == "misalignment":
+        return 0.0, LARGEST_ANGLE / parameter.factor
     of_size = parameter.form == "per" or parameter.settles in ("limit", "noise_bandwidth", "bandwidth")
     return (1e-9 if of_size else 0.0), LARGEST
 

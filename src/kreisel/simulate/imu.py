@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kreisel.data.checks import Array, choice, instance, read_only
+from kreisel.data.checks import Array, choice, instance, read_only, whole_number
 from kreisel.data.environment import Environment
 from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.data.tables import CONSTANTS
 from kreisel.data.temperature import TemperatureHistory
-from kreisel.maths.kinematics import specific_force
+from kreisel.maths.kinematics import specific_force, specific_force_sigma
 from kreisel.maths.random import seed_from, stream
 from kreisel.maths.rotations import log_so3
+from kreisel.maths.turning import State, falls, felt_acceleration, felt_rate, standing_still
 from kreisel.simulate.chain import BLOCK, Sensed, sense
 from kreisel.simulate.clock import Clock, Rows, Sampling, count, spread, steps
 from kreisel.simulate.context import Context
@@ -28,9 +29,12 @@ from kreisel.simulate.recorded import Recorded
 
 if TYPE_CHECKING:
     from kreisel.data.noise import NoiseModel
-    from kreisel.simulate.triad import Triad
+    from kreisel.simulate.datasheet import Triads
 
 SENSORS = ("gyro", "accel", "mag_uT")
+
+# m; there the plumb line leans by 1 deg against that of the origin, 300 times what the centrifugal term varies.
+FARTHEST = 1e5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,10 +56,13 @@ class Imu:
     def __post_init__(self) -> None:
         instance("mount", self.mount, Mount, "Write Mount(p_BS=[x, y, z]).")
         instance("environment", self.environment, Environment, "Write Environment(...).")
+        instance("clock", self.clock, Clock, "Write Clock(jitter=1e-4), say.")
+        if self.temperature is not None:
+            instance(
+                "temperature", self.temperature, TemperatureHistory, "Write TemperatureHistory(t, degC)."
+            )
         for name in ("gyro_effects", "accel_effects", "mag_effects"):
-            effects = tuple(getattr(self, name))
-            _check_names(name, [effect.name for effect in effects])
-            object.__setattr__(self, name, effects)
+            object.__setattr__(self, name, _effects(name, getattr(self, name)))
         if self.mag_effects and self.environment.field_N_uT is None:
             raise ValueError(
                 "mag_effects need a magnetic field to act on; give environment=Environment(field_N_uT=...)."
@@ -78,7 +85,7 @@ class Imu:
         """
         from kreisel.simulate.datasheet import triads
 
-        return cls._of(*triads(values), mount, environment, clock)
+        return cls._of(triads(values), mount, environment, clock)
 
     @classmethod
     def from_preset(
@@ -91,11 +98,13 @@ class Imu:
     ) -> Imu:
         """The IMU of a datasheet that comes along, such as "bmi088", or of a preset file "mine.toml".
 
+        Its magnetometer reads where `environment` has a field; one without a magnetometer then has a perfect one.
+
         Raises ValueError with the nearest name where there is no such preset.
         """
         from kreisel.simulate.presets import load
 
-        return cls._of(*load(name).triads(), mount, environment, clock)
+        return cls._of(load(name).triads(), mount, environment, clock)
 
     @classmethod
     def from_noise(
@@ -108,41 +117,51 @@ class Imu:
         clock: Clock | None = None,
     ) -> Imu:
         """An IMU with the noise of a gyroscope (rad/s) and an accelerometer (m/s^2), and no other errors."""
+        from kreisel.simulate.datasheet import Triads
         from kreisel.simulate.triad import Triad
 
-        return cls._of(Triad(gyro), Triad(accel), mount, environment, clock)
+        return cls._of(Triads(Triad(gyro), Triad(accel), Triad()), mount, environment, clock)
 
     @classmethod
     def _of(
         cls,
-        gyro: Triad,
-        accel: Triad,
+        triads: Triads,
         mount: Mount | None,
         environment: Environment | None,
         clock: Clock | None,
     ) -> Imu:
+        environment = environment or Environment()
+        in_a_field = environment.field_N_uT is not None
         return cls(
             mount or Mount(),
-            gyro.effects(),
-            accel.effects(),
-            environment=environment or Environment(),
+            triads.gyro.effects(),
+            triads.accel.effects(),
+            triads.mag.effects() if in_a_field else (),
+            environment=environment,
             clock=clock or Clock(),
         )
 
     def ideal(self, motion: Motion) -> ImuRecording:
         """What a perfect IMU at the mount reads at the times of `motion`; with a field around it, a magnetometer too.
 
-        Source: document 000, eq. (9), with the specific force R_SN (a_N - g_N) for its a_S.
+        Where the motion knows its standard errors, so does the reading.
+
+        Source: document 000, eq. (9), with the specific force R_SN (a_N - g_N) for its a_S. Where the environment
+        turns N, the gyroscope reads that rate too, and Coriolis and the centrifugal term are in a_N
+        (kreisel.maths.turning). Raises ValueError then for a motion that leaves the 100 km around the origin, and
+        for one that runs into a magnet.
         """
-        _check_motion(motion)
-        field_N_uT = self.environment.field_N_uT
+        self._check_motion(motion)
+        field_N_uT, turn = self.environment.field_N_uT, self.environment.omega_IN_N
         gyro, accel, mag_uT = (np.empty((len(motion), 3)) for _ in SENSORS)
         for rows in _blocks(len(motion)):
             at_sensor = motion.rows(rows).at(self.mount)
-            gyro[rows] = at_sensor.omega_NB_B
-            accel[rows] = specific_force(at_sensor.a_NB, at_sensor.R_NB, self.environment.g_N)
+            gyro[rows] = felt_rate(at_sensor.omega_NB_B, at_sensor.R_NB, turn)
+            a_N = felt_acceleration(at_sensor.a_NB, at_sensor.v_NB, at_sensor.p_NB, turn)
+            accel[rows] = specific_force(a_N, at_sensor.R_NB, self.environment.g_N)
             if field_N_uT is not None:
-                mag_uT[rows] = field_N_uT @ at_sensor.R_NB  # R_SN field, row by row
+                mag_uT[rows] = self._field_in_S(field_N_uT, at_sensor)
+        gyro_sigma, accel_sigma = self._sigmas(motion, accel)
         return ImuRecording(
             t=motion.t,
             gyro=read_only(gyro),
@@ -150,19 +169,43 @@ class Imu:
             mag_uT=None if field_N_uT is None else read_only(mag_uT),
             t0_ns=motion.t0_ns,
             name=self.mount.name,
+            gyro_sigma=gyro_sigma,
+            accel_sigma=accel_sigma,
         )
+
+    def _field_in_S(self, field_N_uT: Array, at_sensor: Motion) -> Array:
+        in_S = field_N_uT @ at_sensor.R_NB  # R_SN field, row by row
+        if self.environment.disturbances:
+            added = self.environment.disturbance_N_uT(at_sensor.t, at_sensor.p_NB)
+            in_S += np.einsum("nji,nj->ni", at_sensor.R_NB, added)
+        return np.asarray(in_S)
+
+    def _sigmas(self, motion: Motion, accel: Array) -> tuple[Array | None, Array | None]:
+        """Standard errors of the ideal reading, where those of the motion are known."""
+        if motion.uncertainty is None:
+            return None, None
+        gyro_sigma, accel_sigma = np.empty((2, len(motion), 3))
+        place = self.mount.p_BS, self.mount.R_BS
+        for rows in _blocks(len(motion)):
+            body = motion.rows(rows)
+            known = body.uncertainty
+            assert known is not None  # as that of the whole
+            gyro_sigma[rows] = np.sqrt(np.square(known.omega) @ np.square(self.mount.R_BS))
+            accel_sigma[rows] = specific_force_sigma(accel[rows], place, body.R_NB, body.omega_NB_B, known)
+        return read_only(gyro_sigma), read_only(accel_sigma)
 
     def increments(self, motion: Motion) -> ImuIncrements:
         """What a perfect IMU at the mount adds up between the times of `motion`: coning and sculling are in it.
 
         From attitude, velocity and position at both ends of each interval, not from rates: as exact as these.
         """
-        _check_motion(motion)
-        at_sensor = motion.at(self.mount)
-        step, g_N = np.diff(motion.t)[:, None], self.environment.g_N
-        p, v, R = at_sensor.p_NB, at_sensor.v_NB, at_sensor.R_NB
-        v_gain = np.diff(v, axis=0) - step * g_N
-        p_gain = np.diff(p, axis=0) - step * v[:-1] - 0.5 * step * step * g_N
+        self._check_motion(motion)
+        t, world, at_sensor = motion.t, self.environment, motion.at(self.mount)
+        seen_from_N = State(at_sensor.p_NB, at_sensor.v_NB, at_sensor.R_NB)
+        p, v, R = standing_still(t, seen_from_N, world.omega_IN_N)
+        dv_g, dp_g = falls(t, world.g_N, world.omega_IN_N)
+        v_gain = np.diff(v, axis=0) - dv_g
+        p_gain = np.diff(p, axis=0) - np.diff(t)[:, None] * v[:-1] - dp_g
         R_back = np.swapaxes(R[:-1], -1, -2)
         return ImuIncrements(
             t=motion.t,
@@ -184,7 +227,7 @@ class Imu:
         and effects that do not suit their sensor.
         """
         self._check(motion)
-        seed = seed_from(rng)
+        seed, run = seed_from(rng), whole_number("run", run)
         ideal = self.ideal(motion)
         sensed = {
             sensor: self._sense(sensor, motion, ideal, seed, run)
@@ -201,15 +244,22 @@ class Imu:
                 **{sensor: read_only(each.reading) for sensor, each in sensed.items()},
                 t0_ns=motion.t0_ns,
                 name=self.mount.name,
-                **self._sigmas(motion, ideal),
+                **self._noises(motion, ideal),
             ),
             ideal=ideal,
             gyro_bias=read_only(sensed["gyro"].bias),
             accel_bias=read_only(sensed["accel"].bias),
+            disturbance_N_uT=self._disturbance(motion),
             seed=seed,
             run=run,
             replay=partial(self._errors, motion, ideal, seed, run),
         )
+
+    def _disturbance(self, motion: Motion) -> Array | None:
+        if not self.environment.disturbances:
+            return None
+        p_NS = motion.p_NB + motion.R_NB @ self.mount.p_BS
+        return read_only(self.environment.disturbance_N_uT(motion.t, p_NS))
 
     def _errors(
         self, motion: Motion, ideal: ImuRecording, seed: int, run: int, sensor: str
@@ -237,16 +287,16 @@ class Imu:
         sensed = sense(effects, collected, self._contexts(sensor, motion, ideal, rows), stream_of, errors)
         return Sensed(*(spread(column, rows, len(motion)) for column in sensed))
 
-    def _sigmas(self, motion: Motion, ideal: ImuRecording) -> dict[str, Array]:
+    def _noises(self, motion: Motion, ideal: ImuRecording) -> dict[str, Array]:
         """Deviations (3,) of the white noise in one sample at the median step, of the sensors that have some."""
-        sigmas = {}
+        noises = {}
         for name, sensor in zip(CONSTANTS, SENSORS, strict=True):
             effects, sampling = self._parts(sensor)
             densities = [effect.density for effect in effects if isinstance(effect, WhiteNoise)]
             if getattr(ideal, sensor) is not None and np.any(densities):
                 step = np.median(steps(motion.t[sampling.rows(motion.t)]))
-                sigmas[name] = np.linalg.norm(densities, axis=0) / np.sqrt(step)
-        return sigmas
+                noises[name] = np.linalg.norm(densities, axis=0) / np.sqrt(step)
+        return noises
 
     def _parts(self, sensor: str) -> tuple[Sequence[Effect], Sampling]:
         return {
@@ -273,8 +323,17 @@ class Imu:
                 history=self.temperature,
             )
 
+    def _check_motion(self, motion: Motion) -> None:
+        instance("motion", motion, Motion, "A trajectory's sample(t) gives one.")
+        far = float(np.abs(motion.p_NB).max(initial=0.0))
+        if self.environment.omega_IN_N.any() and far > FARTHEST:
+            raise ValueError(
+                f"p_NB lies up to {far:.3g} m from the origin of N, which is a place on the turning Earth; N is flat, "
+                f"with one gravity, and ends after {FARTHEST:.0e} m. Subtract the place from the positions."
+            )
+
     def _check(self, motion: Motion) -> None:
-        _check_motion(motion)
+        self._check_motion(motion)
         if len(motion) < 2:
             raise ValueError(
                 f"a recording needs two samples or more, for noise depends on the time between them; got {len(motion)}."
@@ -291,8 +350,16 @@ def _blocks(n: int) -> Iterator[slice]:
     return (slice(first, min(first + BLOCK, n)) for first in range(0, n, BLOCK))
 
 
-def _check_motion(motion: Motion) -> None:
-    instance("motion", motion, Motion, "A trajectory's sample(t) gives one.")
+def _effects(field_name: str, given: Any) -> tuple[Effect, ...]:
+    """The effects in `given`; TypeError for anything else in it, such as a class that nobody made an effect of."""
+    each = tuple(given) if isinstance(given, Iterable) else (given,)
+    strange = [x for x in each if isinstance(x, type) or not callable(getattr(x, "apply", None))]
+    if strange or not isinstance(given, Iterable):
+        x = strange[0] if strange else given
+        got = f"the class {x.__name__}" if isinstance(x, type) else type(x).__name__
+        raise TypeError(f"{field_name} must be a list of effects, such as [WhiteNoise(1e-4)]; got {got}.")
+    _check_names(field_name, [effect.name for effect in each])
+    return each
 
 
 def _check_names(field_name: str, names: list[str]) -> None:

@@ -45,6 +45,15 @@ def _note(t: float, turn: float, step: float, x0: Array, x1: Array, omega0: Arra
     return Note("rate-step", text, float(t))
 
 
+def end_note(number: int, what: str, t: float, position: Array, heading: float, speed: float) -> Note:
+    """How a motion that was told as a `number` of segments or commands ends: s, m in N, rad, m/s."""
+    # A billionth is round-off, and reads badly.
+    x, y, z, angle, v = np.round([*position, np.rad2deg(heading), speed], 9) + 0.0
+    many = f"{number} {what}" + ("" if number == 1 else "s")
+    text = f"{many} in {t:.6g} s; at their end {v:.4g} m/s at ({x:.6g}, {y:.6g}, {z:.6g}) m, heading {angle:.6g} deg"
+    return Note("method", text)
+
+
 def _cause(x_before: Array, x_after: Array) -> str:
     """Why a body along the path turns: from its nose on either side."""
     same = float(x_before @ x_after)

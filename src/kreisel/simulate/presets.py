@@ -12,8 +12,7 @@ import numpy as np
 
 from kreisel.data.checks import choice
 from kreisel.data.noise import NoiseModel
-from kreisel.simulate.datasheet import PARAMETERS, triads
-from kreisel.simulate.triad import Triad
+from kreisel.simulate.datasheet import PARAMETERS, Triads, triads
 
 _FOLDER = Path(__file__).parent / "sensors"
 _TEXTS = ("part", "maker", "grade", "datasheet")
@@ -32,10 +31,16 @@ class Preset:
     datasheet: str  # document, revision, date
     values: Mapping[str, Any]  # by the names of PARAMETERS
     sources: Mapping[str, str]  # by the same names: table, page, and what was read into it
+    notes: str = ""  # what the numbers say of each other, and what was left out
 
-    def triads(self) -> tuple[Triad, Triad]:
-        """Gyroscope and accelerometer in SI units."""
+    def triads(self) -> Triads:
+        """The sensors in SI units, the magnetometer in microtesla."""
         return triads(self.values)
+
+    @property
+    def has_magnetometer(self) -> bool:
+        """Whether the datasheet says anything of one."""
+        return any(name.startswith("mag_") for name in self.values)
 
 
 def names() -> list[str]:
@@ -112,10 +117,11 @@ def _key(name: str) -> str:
 
 def _preset(name: str, table: dict[str, Any]) -> Preset:
     for key in table:
-        choice("a key", key, (*_TEXTS, "values"))
-    for key in _TEXTS:
-        if not isinstance(table.get(key), str):
-            raise ValueError(f"{key} must be text in quotes; got {table.get(key)!r:.60}.")
+        choice("a key", key, (*_TEXTS, "notes", "values"))
+    texts = {"notes": table.get("notes", ""), **{key: table.get(key) for key in _TEXTS}}
+    for key, text in texts.items():
+        if not isinstance(text, str):
+            raise ValueError(f"{key} must be text in quotes; got {text!r:.60}.")
     choice("grade", table["grade"], GRADES)
     entries = table.get("values")
     if not isinstance(entries, dict):
@@ -126,7 +132,7 @@ def _preset(name: str, table: dict[str, Any]) -> Preset:
     values = {key: _plain(entry["value"]) for key, entry in entries.items()}
     preset = Preset(
         name=name,
-        **{key: table[key] for key in _TEXTS},
+        **texts,
         values=values,
         sources={key: str(entry["source"]) for key, entry in entries.items()},
     )

@@ -20,6 +20,9 @@ class Recorded:
     seed: int  # with which the same IMU records the same bits again
     run: int
     replay: Callable[[str], dict[str, Array]] = field(repr=False)
+    disturbance_N_uT: Array | None = (
+        None  # (n, 3) in N, added by the world to the field at the sensor; None: nothing
+    )
 
     def errors(self, sensor: str) -> dict[str, Array]:
         """What each effect of `sensor` ("gyro", "accel" or "mag_uT") added, by its name: (n, 3), sensor's unit.

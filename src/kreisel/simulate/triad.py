@@ -20,6 +20,10 @@ from kreisel.simulate.effects.scale_factor import ScaleFactor
 from kreisel.simulate.effects.turn_on_bias import TurnOnBias
 from kreisel.simulate.effects.white_noise import WhiteNoise
 
+# Flicker goes on until it is one part in so many of the white noise: its end shows nowhere.
+_BURIED = 100.0
+_FLICKER_HZ = (1.0, 1000.0)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Triad:
@@ -46,7 +50,7 @@ class Triad:
             Misalignment(sigma=self.misalignment),
             ScaleFactor(sigma=self.scale),
             TurnOnBias(sigma=noise.turn_on_bias),
-            BiasInstability(noise.bias_instability),
+            BiasInstability(noise.bias_instability, highest=_end_of_flicker(noise)),
             BiasRandomWalk(noise.bias_random_walk),
             GaussMarkov(noise.gauss_markov, noise.correlation_time) if wanders else GaussMarkov(),
             WhiteNoise(noise.white_noise),
@@ -55,3 +59,13 @@ class Triad:
             Quantisation(self.step),
         )
         return tuple(effect for effect in every if not effect.idle)
+
+
+def _end_of_flicker(noise: NoiseModel) -> float:
+    """Hz; 1 Hz where there is no white noise to bury it.
+
+    Flicker of density B^2 / (2 pi f) is as strong as white noise of density N^2 at f = B^2 / (2 pi N^2).
+    """
+    white = noise.white_noise > 0.0
+    knee = (noise.bias_instability[white] / noise.white_noise[white]) ** 2 / (2.0 * np.pi)
+    return float(np.clip(_BURIED * knee.max(initial=0.0), *_FLICKER_HZ))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -12,19 +13,28 @@ import numpy as np
 
 from kreisel import discovery
 from kreisel.data.checks import Array, choice
-from kreisel.data.environment import Environment
+from kreisel.data.environment import Disturbance, Environment
 from kreisel.data.frames import WORLDS, to_enu_flu
 from kreisel.data.motion import Mount
+from kreisel.data.motion_definition import MotionDefinition
 from kreisel.data.trajectory import Poses, Trajectory, even_times
 from kreisel.files.doors import read
 from kreisel.maths.rotations import matrix_from_euler
 from kreisel.simulate.imu import Imu
-from kreisel.study.scenario import EnvironmentRecipe, FilterRecipe, ImuRecipe, Scenario, TrajectoryRecipe
+from kreisel.study.scenario import (
+    DisturbanceRecipe,
+    EnvironmentRecipe,
+    FilterRecipe,
+    ImuRecipe,
+    Scenario,
+    TrajectoryRecipe,
+)
 from kreisel.study.sensor import sensor_imu
 from kreisel.study.signature import Place, call
 
 TRAJECTORIES = "kreisel.simulate.trajectories"
 FILTERS = "kreisel.estimate.filters"
+DISTURBANCES = "kreisel.simulate.disturbances"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,29 +51,31 @@ def build(scenario: Scenario, where: Place | None = None) -> Parts:
     """Everything a run needs; ValueError with the key, after `where`, for what cannot be made."""
     place = where or Place(f"scenario {scenario.name!r}" if scenario.name else "scenario")
     trajectory = _trajectory(scenario, place)
-    surroundings = _environment(scenario.environment)
+    t = _times(scenario, trajectory, place)
+    environment = surroundings(scenario.environment, place.at("environment"))
+    _check_they_act(environment, t, place.at("environment"))
     return Parts(
         trajectory,
-        _times(scenario, trajectory, place),
+        t,
         tuple(
-            _imu(imu, surroundings, scenario.folder, place.at("imu", k))
-            for k, imu in enumerate(scenario.imus)
+            _imu(imu, environment, scenario.folder, place.at("imu", k)) for k, imu in enumerate(scenario.imus)
         ),
         tuple(
-            (recipe.name, _filter(recipe, declination(scenario.environment), place.at("filter", k)))
+            (recipe.name, _filter(recipe, _told(scenario.environment, environment), place.at("filter", k)))
             for k, recipe in enumerate(scenario.filters)
         ),
     )
 
 
-def declination(environment: EnvironmentRecipe) -> float:
+def declination(recipe: EnvironmentRecipe) -> float:
     """What filters are told, rad, east positive: as given, else that of the field, else 0."""
-    if environment.declination_deg is not None:
-        return float(np.deg2rad(environment.declination_deg))
-    if environment.field_N_uT is None:
-        return 0.0
-    east, north, _ = environment.field_N_uT
-    return float(np.arctan2(east, north))
+    return _told(recipe, surroundings(recipe))
+
+
+def _told(recipe: EnvironmentRecipe, environment: Environment) -> float:
+    if recipe.declination_deg is not None:
+        return float(np.deg2rad(recipe.declination_deg))
+    return environment.declination or 0.0
 
 
 # --- trajectory and times ---
@@ -81,6 +93,8 @@ def _trajectory(scenario: Scenario, place: Place) -> Trajectory:
         return recipe
     if recipe.kind == "file":
         return call(_from_file(scenario.folder), recipe.parameters, where)
+    if recipe.kind in ("waypoints", "profile") and "path" in recipe.parameters:
+        return _from_table(recipe, scenario.folder, where)
     make = None
     if recipe.kind in discovery.names(TRAJECTORIES):
         make = getattr(discovery.load(TRAJECTORIES, recipe.kind), recipe.kind, None)
@@ -99,7 +113,7 @@ def _unknown_kind(kind: str, known: list[str], where: Place) -> NoReturn:
 def _from_file(folder: Path) -> Callable[..., Trajectory]:
     """The maker of kind "file"; relative paths begin at `folder`."""
     # Loaded here: it brings SciPy, which functions of time do without.
-    from kreisel.simulate.trajectories.sampled import SampledTrajectory
+    from kreisel.simulate.trajectories.sampled import MAX_GAP, SampledTrajectory
 
     def file(
         path: str,
@@ -107,13 +121,46 @@ def _from_file(folder: Path) -> Callable[..., Trajectory]:
         orientation: str | None = None,
         frame: str = "enu-flu",
         format: str | None = None,
+        position_noise: float | tuple[float, float, float] | None = None,
+        attitude_noise: float | tuple[float, float, float] | None = None,
+        max_gap: float = MAX_GAP,
     ) -> Trajectory:
         choice("frame", frame, tuple(WORLDS))
         poses = read(folder / path, format, kind="poses")
         assert isinstance(poses, Poses)
-        return SampledTrajectory.from_poses(to_enu_flu(poses, frame), orientation, method)
+        return SampledTrajectory.from_poses(
+            to_enu_flu(poses, frame),
+            orientation,
+            method,
+            position_noise=position_noise,
+            attitude_noise=attitude_noise,
+            max_gap=max_gap,
+        )
 
     return file
+
+
+def _from_table(recipe: TrajectoryRecipe, folder: Path, where: Place) -> Trajectory:
+    """Waypoints or a motion profile whose rows are in a file of their own."""
+    from kreisel.files.profiles import read_profile
+    from kreisel.files.waypoints import read_waypoints
+    from kreisel.simulate.trajectories.gnss_ins_sim import CommandedMotion
+    from kreisel.simulate.trajectories.profile import profile
+    from kreisel.simulate.trajectories.waypoints import waypoints
+
+    rest = dict(recipe.parameters)
+    path = rest.pop("path")
+    rows = {"waypoints": "points", "profile": "segments"}[recipe.kind]
+    if rows in rest:
+        raise ValueError(f"{where}: both path and {rows} say where to go. Give one of the two.")
+    if not isinstance(path, str):
+        raise ValueError(f"{where.at('path')} must be text in quotes; got {path!r:.60}.")
+    if recipe.kind == "waypoints":
+        return call(waypoints, rest, where, ready={rows: read_waypoints(folder / path)})
+    found = read_profile(folder / path)
+    if isinstance(found, MotionDefinition):
+        return call(CommandedMotion, rest, where, ready={"definition": found})
+    return call(profile, rest, where, ready={rows: found})
 
 
 def _times(scenario: Scenario, trajectory: Trajectory, place: Place) -> Array:
@@ -136,18 +183,63 @@ def _times(scenario: Scenario, trajectory: Trajectory, place: Place) -> Array:
             return even_times(first, last, scenario.rate_hz)
         except ValueError as error:
             raise ValueError(f"{place}: {error}") from None
-    own: Array | None = getattr(trajectory, "t", None)
-    if own is None:
+    # Loaded here: it brings SciPy, which functions of time do without.
+    from kreisel.simulate.trajectories.sampled import SampledTrajectory
+
+    if not isinstance(trajectory, SampledTrajectory):
         raise ValueError(f"{place.at('rate_hz')} is missing; only a file has times of its own.")
+    own = trajectory.t
     return own[(own >= first) & (own <= last)]
 
 
 # --- surroundings, sensors, filters ---
 
 
-def _environment(recipe: EnvironmentRecipe) -> Environment:
-    field = None if recipe.field_N_uT is None else np.array(recipe.field_N_uT)
-    return Environment(np.array([0.0, 0.0, -recipe.gravity]), field)
+def surroundings(recipe: EnvironmentRecipe, where: Place | None = None) -> Environment:
+    """The environment of a recipe; ValueError with the key, after `where`, for a place or a date that is none."""
+    where = where or Place("environment")
+    found = Environment()
+    if recipe.latitude_deg is not None and recipe.longitude_deg is not None:
+        at = partial(Environment.at, recipe.latitude_deg, recipe.longitude_deg, recipe.height_m or 0.0)
+        found = _or_say(where, at, None, turning=recipe.turning)
+        if recipe.date is not None:
+            found = _or_say(where.at("date"), at, recipe.date, turning=recipe.turning)
+    g_N = found.g_N if recipe.gravity is None else np.array([0.0, 0.0, -recipe.gravity])
+    field_N_uT = found.field_N_uT if recipe.field_N_uT is None else np.array(recipe.field_N_uT)
+    disturbances = tuple(
+        _disturbance(each, where.at("disturbance", k)) for k, each in enumerate(recipe.disturbances)
+    )
+    return replace(found, g_N=g_N, field_N_uT=field_N_uT, disturbances=disturbances)
+
+
+def _or_say(where: Place, make: Callable[..., Environment], *given: Any, **named: Any) -> Environment:
+    try:
+        return make(*given, **named)
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}") from None
+
+
+def disturbance_kinds() -> list[str]:
+    """The disturbances that a scenario can name."""
+    return discovery.names(DISTURBANCES)
+
+
+def _disturbance(recipe: DisturbanceRecipe, where: Place) -> Disturbance:
+    if recipe.kind not in disturbance_kinds():
+        _unknown_kind(recipe.kind, disturbance_kinds(), where)
+    make = discovery.load(DISTURBANCES, recipe.kind).DISTURBANCE
+    found: Disturbance = call(make, recipe.parameters, where)
+    return found
+
+
+def _check_they_act(environment: Environment, t: Array, where: Place) -> None:
+    for k, disturbance in enumerate(environment.disturbances):
+        first, last = disturbance.span
+        if first > t[-1] or last < t[0]:
+            raise ValueError(
+                f"{where.at('disturbance', k)} acts from {first:.9g} to {last:.9g} s, and the run lasts from "
+                f"{t[0]:.9g} to {t[-1]:.9g} s."
+            )
 
 
 def _imu(recipe: ImuRecipe, environment: Environment, folder: Path, where: Place) -> Imu:

@@ -9,7 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from kreisel.study.building import build
-from kreisel.study.scenario import EnvironmentRecipe, FilterRecipe, ImuRecipe, Scenario, TrajectoryRecipe
+from kreisel.study.scenario import (
+    DisturbanceRecipe,
+    EnvironmentRecipe,
+    FilterRecipe,
+    ImuRecipe,
+    Scenario,
+    TrajectoryRecipe,
+)
 from kreisel.study.signature import Place, call, unknown
 
 # A scenario is written by hand; anything larger is some other file.
@@ -17,6 +24,7 @@ _MAX_BYTES = 1_000_000
 _MAX_DEPTH = 10
 
 _TABLES = ("trajectory", "imu", "environment", "filter")
+_OF_FILTERS = ("name", "align", "clock_offset")  # keys of a filter that are no tuning
 _PLURAL = {"imu": "imus", "filter": "filters"}
 
 
@@ -48,7 +56,7 @@ def parse(text: str, folder: Path, source: str) -> Scenario:
         )
     parts = {
         "trajectory": _trajectory(table["trajectory"], where.at("trajectory")),
-        "environment": call(EnvironmentRecipe, _table(table, "environment", where), where.at("environment")),
+        "environment": _environment(_table(table, "environment", where), where.at("environment")),
         "folder": folder,
     }
     if "imu" in table:
@@ -71,9 +79,13 @@ def text(scenario: Scenario) -> str:
         )
     table = _given(scenario, leave_out=("trajectory", "imus", "environment", "filters", "folder"))
     table["trajectory"] = {"kind": scenario.trajectory.kind, **_filled(scenario.trajectory.parameters)}
-    table["environment"] = _given(scenario.environment)
+    table["environment"] = _given(scenario.environment, leave_out=("disturbances",))
+    if scenario.environment.disturbances:
+        table["environment"]["disturbance"] = [
+            {"kind": d.kind, **_filled(d.parameters)} for d in scenario.environment.disturbances
+        ]
     table["imu"] = [_given(imu) for imu in scenario.imus]
-    table["filter"] = [{"kind": f.kind, "name": f.name, **_filled(f.tuning)} for f in scenario.filters]
+    table["filter"] = [{**_given(f, leave_out=("tuning",)), **_filled(f.tuning)} for f in scenario.filters]
     return tomli_w.dumps(_lists(table))
 
 
@@ -112,10 +124,30 @@ def _trajectory(table: Any, where: Place) -> TrajectoryRecipe:
     return call(TrajectoryRecipe, {"kind": kind}, where, ready={"parameters": parameters})
 
 
+def _environment(table: Mapping[str, Any], where: Place) -> EnvironmentRecipe:
+    known = [*(f.name for f in fields(EnvironmentRecipe) if f.name != "disturbances"), "disturbance"]
+    for name in table:
+        if name not in known:
+            unknown(where, name, known)
+    rest = dict(table)
+    # TOML writes a date without quotes, which the check of the other keys does not know.
+    ready: dict[str, Any] = {"date": rest.pop("date")} if "date" in rest else {}
+    if "disturbance" in rest:
+        found = _tables(table, "disturbance", where)
+        ready["disturbances"] = tuple(_disturbance(t, place) for t, place in found)
+        del rest["disturbance"]
+    return call(EnvironmentRecipe, rest, where, ready=ready)
+
+
+def _disturbance(table: Any, where: Place) -> DisturbanceRecipe:
+    kind, parameters = _kind(table, where)
+    return call(DisturbanceRecipe, {"kind": kind}, where, ready={"parameters": parameters})
+
+
 def _filter(table: Any, where: Place) -> FilterRecipe:
     kind, tuning = _kind(table, where)
-    name = tuning.pop("name", "")
-    return call(FilterRecipe, {"kind": kind, "name": name}, where, ready={"tuning": tuning})
+    own = {name: tuning.pop(name) for name in _OF_FILTERS if name in tuning}
+    return call(FilterRecipe, {"kind": kind, **own}, where, ready={"tuning": tuning})
 
 
 def _kind(table: Any, where: Place) -> tuple[str, dict[str, Any]]:

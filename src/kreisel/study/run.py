@@ -11,8 +11,8 @@ import numpy as np
 
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
-from kreisel.study.building import build, declination
-from kreisel.study.scenario import Scenario, TrajectoryRecipe
+from kreisel.study.building import build, declination, surroundings
+from kreisel.study.scenario import EnvironmentRecipe, FilterRecipe, Scenario, TrajectoryRecipe
 from kreisel.study.sensor import record_all
 
 if TYPE_CHECKING:
@@ -77,21 +77,22 @@ def run(scenario: Scenario) -> Result:
     motion = parts.trajectory.sample(parts.t)
     recordings, recorded = record_all(parts.imus, motion, scenario.seed)
     estimates = [
-        _estimate(name, filter, recording, motion.at(imu.mount))
+        _estimate(recipe, filter, recording, motion.at(imu.mount))
         for imu, recording in zip(parts.imus, recordings, strict=True)
-        for name, filter in parts.filters
+        for recipe, (_, filter) in zip(scenario.filters, parts.filters, strict=True)
     ]
     mounts = tuple(imu.mount for imu in parts.imus)
     return Result(scenario, motion, mounts, recordings, tuple(estimates), recorded)
 
 
-def _estimate(name: str, filter: Any, recording: ImuRecording, truth: Motion) -> Estimate:
+def _estimate(recipe: FilterRecipe, filter: Any, recording: ImuRecording, truth: Motion) -> Estimate:
     # Loaded here: numba's kernels, which a scenario without filters need not wait for.
     from kreisel.estimate.run import run as estimated
     from kreisel.evaluate.attitude_errors import attitude_errors
 
     attitude = estimated(filter, recording)
-    return Estimate(recording.name, name, attitude, attitude_errors(truth, attitude))
+    errors = attitude_errors(truth, attitude, align=recipe.align, clock_offset=recipe.clock_offset)
+    return Estimate(recording.name, recipe.name, attitude, errors)
 
 
 def _described(scenario: Scenario) -> dict[str, Any]:
@@ -100,9 +101,20 @@ def _described(scenario: Scenario) -> dict[str, Any]:
     if not isinstance(trajectory, TrajectoryRecipe):
         trajectory = TrajectoryRecipe(type(trajectory).__name__)
     table = asdict(replace(scenario, trajectory=trajectory))
-    table["environment"]["declination_deg"] = float(np.rad2deg(declination(scenario.environment)))
+    table["environment"] |= _resolved(scenario.environment)
     del table["folder"]
     return _json_safe(table)
+
+
+def _resolved(recipe: EnvironmentRecipe) -> dict[str, Any]:
+    """What was left to the place and the date, in the keys of the recipe."""
+    found = surroundings(recipe)
+    return {
+        "gravity": float(-found.g_N[2]),
+        "field_N_uT": None if found.field_N_uT is None else found.field_N_uT.tolist(),
+        "declination_deg": float(np.rad2deg(declination(recipe))),
+        "date": None if recipe.date is None else recipe.date.isoformat(),
+    }
 
 
 def _json_safe(value: Any) -> Any:

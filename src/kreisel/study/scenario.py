@@ -5,16 +5,18 @@ The TOML file of a scenario, its keys and units are described in docs/scenarios.
 
 from __future__ import annotations
 
+import datetime
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
-from kreisel.data.checks import file_name, finite_number
-from kreisel.data.environment import STANDARD_GRAVITY
+from kreisel.data.checks import choice, file_name, finite_number
 from kreisel.data.trajectory import Trajectory
-from kreisel.study.values import Vector, plain, unlike, vector
+from kreisel.study.values import Vector, calendar_day, plain, unlike, vector
+
+Align = Literal["heading", "frame", "frame+sensor"]
 
 
 @dataclass(frozen=True)
@@ -30,15 +32,22 @@ class TrajectoryRecipe:
 
 @dataclass(frozen=True)
 class FilterRecipe:
-    """A filter by the name of its plug-in, and its tuning."""
+    """A filter by the name of its plug-in, its tuning, and which constant offsets its errors are not to count."""
 
     kind: str
     tuning: Mapping[str, Any] = field(default_factory=dict)  # plain values
     name: str = ""  # in reports and file names; the kind where it is left out
+    align: Align | None = None  # what is fitted and removed before errors count, as `attitude_errors` has it
+    clock_offset: float | Literal["estimate"] = 0.0  # s, by which the estimate's stamps are ahead
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "tuning", plain("tuning", dict(self.tuning)))
-        object.__setattr__(self, "name", file_name("name", self.name or self.kind))
+        put = object.__setattr__
+        put(self, "tuning", plain("tuning", dict(self.tuning)))
+        put(self, "name", file_name("name", self.name or self.kind))
+        if self.align is not None:
+            choice("align", self.align, get_args(Align))
+        if self.clock_offset != "estimate":
+            put(self, "clock_offset", finite_number("clock_offset", self.clock_offset))
 
 
 @dataclass(frozen=True)
@@ -58,20 +67,56 @@ class ImuRecipe:
 
 
 @dataclass(frozen=True)
-class EnvironmentRecipe:
-    """Gravity and magnetic field around the body."""
+class DisturbanceRecipe:
+    """A disturbance of the magnetic field by the name of its plug-in, and the arguments it is made with."""
 
-    gravity: float = STANDARD_GRAVITY  # m/s^2, downwards
-    field_N_uT: Vector | None = None  # microtesla in N: east, true north, up; None: no magnetometers
+    kind: str
+    parameters: Mapping[str, Any] = field(default_factory=dict)  # plain values
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parameters", plain("parameters", dict(self.parameters)))
+
+
+@dataclass(frozen=True)
+class EnvironmentRecipe:
+    """What surrounds the body: what is given, and for the rest what the place and the date have."""
+
+    gravity: float | None = None  # m/s^2, downwards; None: that of the place, 9.80665 without one
+    field_N_uT: Vector | None = None  # in N: east, true north, up; None: the model's on `date`, none without
     declination_deg: float | None = None  # what filters are told, east positive; None: that of the field
+    latitude_deg: float | None = None  # of the origin of N: WGS 84, north positive
+    longitude_deg: float | None = None  # east positive
+    height_m: float | None = None  # above the ellipsoid; None: 0
+    date: datetime.date | None = None  # also as text, "2026-05-01"
+    turning: bool = False  # whether N turns with the Earth
+    disturbances: tuple[DisturbanceRecipe, ...] = ()  # of the magnetic field
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        put(self, "gravity", finite_number("gravity", self.gravity))
+        for name in ("gravity", "declination_deg", "latitude_deg", "longitude_deg", "height_m"):
+            if getattr(self, name) is not None:
+                put(self, name, finite_number(name, getattr(self, name)))
         if self.field_N_uT is not None:
             put(self, "field_N_uT", vector("field_N_uT", self.field_N_uT))
-        if self.declination_deg is not None:
-            put(self, "declination_deg", finite_number("declination_deg", self.declination_deg))
+        if self.date is not None:
+            put(self, "date", calendar_day("date", self.date))
+        put(self, "disturbances", tuple(self.disturbances))
+        self._check_place()
+
+    def _check_place(self) -> None:
+        if (self.latitude_deg is None) != (self.longitude_deg is None):
+            raise ValueError("a place needs both latitude_deg and longitude_deg; got one of them.")
+        for name in ("height_m", "date", "turning"):
+            if self.latitude_deg is None and getattr(self, name) not in (None, False):
+                raise ValueError(f"{name} says nothing without a place; give latitude_deg and longitude_deg.")
+        if self.date is not None and self.field_N_uT is not None:
+            raise ValueError(
+                "date and field_N_uT both say what the magnetic field is; leave one of them out."
+            )
+        if self.disturbances and self.date is None and self.field_N_uT is None:
+            raise ValueError(
+                "there is no magnetic field to disturb; give field_N_uT, or a date and latitude_deg, longitude_deg."
+            )
 
 
 @dataclass(frozen=True)

@@ -35,14 +35,15 @@ def sensor_imu(
 
 
 def errs(imu: Imu) -> bool:
-    """Whether it has any errors to draw or to add."""
-    return bool(imu.gyro_effects or imu.accel_effects)
+    """Whether it reads anything but its own motion in an undisturbed world, of which a record is kept then."""
+    effects = (imu.gyro_effects, imu.accel_effects, imu.mag_effects)
+    return any(effects) or bool(imu.environment.disturbances)
 
 
 def record_all(
     imus: Sequence[Imu], motion: Motion, seed: int
 ) -> tuple[tuple[ImuRecording, ...], tuple[Recorded, ...]]:
-    """What each IMU read, and of those with errors what is known of these; a perfect one needs no draw."""
+    """What each IMU read, and of those that err what is known of it; a perfect one in peace needs no draw."""
     known = {id(imu): imu.record(motion, seed) for imu in imus if errs(imu)}
     readings = tuple(known[id(imu)].measured if id(imu) in known else imu.ideal(motion) for imu in imus)
     return readings, tuple(known.values())

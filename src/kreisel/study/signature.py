@@ -100,8 +100,9 @@ def _model(make: Callable[..., Any], parameters: Mapping[str, inspect.Parameter]
 
 def unknown(where: Place, key: str, known: Sequence[str]) -> NoReturn:
     """Refuse a key that nobody knows, with the nearest one that somebody does."""
-    near = difflib.get_close_matches(key, known, n=1)
-    hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known) or 'none'}."
+    folded = {name.casefold(): name for name in known}
+    near = difflib.get_close_matches(key.casefold(), folded, n=1)
+    hint = f"did you mean {folded[near[0]]!r}?" if near else f"known are {', '.join(known) or 'none'}."
     raise ValueError(f"{where.at(key)} is unknown; {hint}") from None
 
 
@@ -109,6 +110,8 @@ def _refuse(
     errors: Sequence[ErrorDetails], table: Any, parameters: Mapping[str, inspect.Parameter], where: Place
 ) -> NoReturn:
     """One sentence about the first key that is wrong, in the words of all errors about it."""
+    # A key that is mistyped is also missing: the first says more.
+    errors = sorted(errors, key=lambda error: error["type"] != "extra_forbidden")
     ways = [_way(error["loc"], table) for error in errors]
     # Of a value that may be one thing or another, the reading that got furthest is the one that was meant.
     first = max((way for way in ways if way[:1] == ways[0][:1]), key=len)
@@ -149,8 +152,9 @@ def _wanted(error: ErrorDetails) -> str:
 def _known(parameters: Mapping[str, inspect.Parameter], way: Sequence[int | str]) -> list[str]:
     """The keys known at the end of `way`: those of the signature, or of the dataclass that stands there."""
     known = parameters
-    for step in way:
-        annotation = known[str(step)].annotation if step in known else None
+    # A number leads into a list, whose members are what its annotation says.
+    for step in (step for step in way if isinstance(step, str)):
+        annotation = known[step].annotation if step in known else None
         inner = next(
             (a for a in (annotation, *get_args(annotation)) if isinstance(a, type) and is_dataclass(a)), None
         )

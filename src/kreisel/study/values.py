@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 from collections.abc import Mapping, Sequence
 from numbers import Integral, Real
 from typing import Any, Protocol, TypeVar
@@ -52,6 +53,18 @@ def vector(name: str, value: Any) -> Vector:
         raise ValueError(f"{name} must be three numbers; got {value!r}.")
     x, y, z = (finite_number(f"{name}[{k}]", part) for k, part in enumerate(parts))
     return x, y, z
+
+
+def calendar_day(name: str, value: Any) -> datetime.date:
+    """`value`, a date or its text "2026-05-01", as a date, or a ValueError that names it."""
+    if isinstance(value, str):
+        try:
+            return datetime.date.fromisoformat(value)
+        except ValueError:
+            pass
+    if not isinstance(value, datetime.date) or isinstance(value, datetime.datetime):
+        raise ValueError(f"{name} must be a date, such as 2026-05-01; got {str(value)!r:.40}.")
+    return value
 
 
 def unlike(what: str, parts: tuple[Part, ...]) -> tuple[Part, ...]:

@@ -97,6 +97,25 @@ def test_six_and_nine_dof_come_from_one_pass(rng: np.random.Generator) -> None:
     assert angles_deg(six.R_NS, alone.R_NS)[0].max() < 1e-6
 
 
+def test_a_given_attitude_of_six_digits_stands_for_the_nearest_rotation(rng: np.random.Generator) -> None:
+    recording, truth = turning(times(1.0), np.zeros((101, 3)), exp_so3(rng.normal(size=3)))
+    rough = truth[0] + rng.uniform(-3e-7, 3e-7, (3, 3))
+    for filter in (DcmFilter(mode="gyro"), DcmFilter.as_published(mode="gyro")):
+        R = run(filter, recording, R_NS=rough).R_NS
+        assert np.abs(R @ R.swapaxes(1, 2) - np.eye(3)).max() < 1e-12
+        assert np.abs(R[0] - rough).max() < 1e-6
+
+
+def test_the_longest_window_stays_orthonormal() -> None:
+    # Always the same turn, so that its roundings add up instead of averaging out.
+    t = times(40.0, 1000.0)
+    recording = ImuRecording(t, np.tile([1.1, -0.7, 0.3], (len(t), 1)), np.tile([0.0, 0.0, 9.8], (len(t), 1)))
+    R = run(DcmFilter(mode="gyro", window=10.0), recording, R_NS=np.eye(3)).R_NS
+    assert np.abs(R @ R.swapaxes(1, 2) - np.eye(3)).max() < 1e-12
+    with pytest.raises(ValueError, match="window must be at most 10 s"):
+        DcmFilter(window=11.0)
+
+
 def test_stays_orthonormal_for_a_million_steps(rng: np.random.Generator) -> None:
     t = times(1000.0, 1000.0)
     gyro, accel, mag = (rng.normal(size=(len(t), 3)) for _ in range(3))

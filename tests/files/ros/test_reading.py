@@ -139,13 +139,15 @@ def test_an_imu_that_knows_its_attitude_gives_it_when_asked(tmp_path, maker):
 def test_covariances_that_stay_become_the_deviation_of_the_noise(tmp_path, maker):
     gyro, accel = np.diag([1e-6, 4e-6, 9e-6]).ravel(), np.full(9, 1e-4)
     steady = save(tmp_path / "a.bag", maker, imu_messages(maker, covariances=[gyro, gyro, accel]))
-    np.testing.assert_allclose(kreisel.read(steady).gyro_sigma, [1e-3, 2e-3, 3e-3], rtol=1e-15)
-    np.testing.assert_allclose(kreisel.read(steady).accel_sigma, 1e-2, rtol=1e-15)
+    np.testing.assert_allclose(kreisel.read(steady).gyro_noise, [1e-3, 2e-3, 3e-3], rtol=1e-15)
+    np.testing.assert_allclose(kreisel.read(steady).accel_noise, 1e-2, rtol=1e-15)
     drifting = [
         ("/imu", "sensor_msgs/Imu", ns, maker.imu(ns, covariances=[gyro, gyro * k, accel]))
         for k, ns in enumerate(stamps(), start=1)
     ]
-    assert kreisel.read(save(tmp_path / "b.bag", maker, drifting)).gyro_sigma is None
+    data = kreisel.read(save(tmp_path / "b.bag", maker, drifting))
+    assert data.gyro_noise is None
+    np.testing.assert_allclose(data.gyro_sigma[3], [2e-3, 4e-3, 6e-3], rtol=1e-15)
 
 
 def test_the_velocity_of_odometry_is_in_body_axes(tmp_path, maker):

@@ -35,8 +35,8 @@ def motion(t0_ns=EPOCH_NS):
 def recording(rng):
     gyro, accel, mag = rng.normal(size=(3, N, 3))
     accel[7], mag[::2] = np.nan, np.nan
-    sigmas = [1e-3, 2e-3, 3e-3], 0.01, 0.5
-    return kreisel.ImuRecording(np.arange(N) * 0.005, gyro, accel, mag, EPOCH_NS, "imu", *sigmas)
+    noise = {"gyro_noise": [1e-3, 2e-3, 3e-3], "accel_noise": 0.01, "mag_noise_uT": 0.5}
+    return kreisel.ImuRecording(np.arange(N) * 0.005, gyro, accel, mag, EPOCH_NS, "imu", **noise)
 
 
 def by_mcap(path):
@@ -85,6 +85,15 @@ def test_covariances_are_those_of_the_sensor_model_and_minus_one_is_no_reading(t
     _, field = topics["/imu/mag"][0]
     # 0.5 uT, in tesla and squared.
     np.testing.assert_allclose(field.magnetic_field_covariance[::4], 0.25e-12, rtol=1e-15)
+
+
+def test_standard_errors_of_readings_survive_row_by_row(tmp_path, rng):
+    gyro, accel, sigma = rng.normal(size=(3, N, 3))
+    data = kreisel.ImuRecording(np.arange(N) * 0.005, gyro, accel, gyro_sigma=np.abs(sigma))
+    kreisel.write(tmp_path / "a.bag", data)
+    back = kreisel.read(tmp_path / "a.bag")
+    assert back.gyro_sigma.tobytes() == data.gyro_sigma.tobytes()
+    assert back.gyro_noise is back.accel_sigma is back.accel_noise is None
 
 
 def test_a_simulated_sensor_brings_its_own_covariance(tmp_path):

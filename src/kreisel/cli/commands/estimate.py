@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import glob
 import json
-import math
 from argparse import ArgumentParser, Namespace
-from collections.abc import Collection, Sequence
-from dataclasses import fields
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from kreisel import discovery
+from kreisel.cli.filters import add_filter_arguments, chosen_filter, tuning_help
 from kreisel.cli.inputs import add_input_arguments, check_units, read_content
 from kreisel.cli.outputs import summary_stream
 from kreisel.data.attitude import AttitudeHistory
@@ -27,7 +25,6 @@ from kreisel.files.doors import format_names, write
 HELP = "attitude from IMU data, by one of the filters"
 
 SCHEMA = "kreisel.estimate/1"
-FILTERS = "kreisel.estimate.filters"
 
 _EXAMPLES = """\
 examples:
@@ -46,27 +43,7 @@ acceleration and flags. What the filter assumes of the sensors is in its tuning:
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     add_input_arguments(parser, many=True)
-    parser.add_argument(
-        "--filter", default="dcm", metavar="NAME", help=f"{', '.join(_names())} (default: dcm)"
-    )
-    parser.add_argument(
-        "--mode",
-        help="auto: with the magnetometer where there is one (default); 9: insist on it; 6: without it; "
-        "gyro: the gyroscope alone after the start",
-    )
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="a number of the filter's tuning, in SI units; may be given several times; --set help lists them",
-    )
-    parser.add_argument(
-        "--declination-deg",
-        type=float,
-        metavar="DEG",
-        help="magnetic declination, east positive: north is then true north (default 0: magnetic north)",
-    )
+    add_filter_arguments(parser)
     parser.add_argument(
         "--trust-units", action="store_true", help="estimate even where the numbers look like g or deg/s"
     )
@@ -90,10 +67,10 @@ def run(args: Namespace) -> int:
     from kreisel.estimate.run import run as estimated
 
     if "help" in args.set:
-        print(_tuning_help(args.filter))
+        print(tuning_help(args.filter))
         return 0
     world = choice("--to-frame", args.to_frame or args.frame, tuple(WORLDS))
-    filter, paths = _filter(args), _paths(args.input)
+    filter, paths = chosen_filter(args), _paths(args.input)
     outputs = _outputs(args, paths)
     files = []
     for path, output in zip(paths, outputs, strict=True):
@@ -116,70 +93,6 @@ def _draw(attitude: AttitudeHistory, picture: str) -> None:
     from kreisel import show
 
     show.save(show.plot_attitude(attitude), picture)
-
-
-def _names() -> list[str]:
-    return [name.replace("_", "-") for name in discovery.names(FILTERS)]
-
-
-def _make(name: str) -> Any:
-    return discovery.load(FILTERS, choice("--filter", name, _names()).replace("-", "_")).FILTER
-
-
-def _filter(args: Namespace) -> Any:
-    """The filter with the tuning asked for, each key and value checked."""
-    from kreisel.study.signature import Place, call
-
-    make = _make(args.filter)
-    tuning = parse_settings(
-        args.set, {field.name for field in fields(make) if isinstance(field.default, str)}
-    )
-    if args.mode is not None:
-        tuning["mode"] = args.mode
-    if args.declination_deg is not None:
-        tuning["declination"] = math.radians(args.declination_deg)
-    return call(make, tuning, Place("--set"))
-
-
-def parse_settings(pairs: Sequence[str], texts: Collection[str] = ()) -> dict[str, Any]:
-    """{"mode": "6", "published": {"exact": True}} from ["mode=6", "published.exact=true"].
-
-    Values are those of TOML, or bare words.
-    texts : names whose value is a text even where it looks like a number.
-    """
-    settings: dict[str, Any] = {}
-    for pair in pairs:
-        name, equals, value = (part.strip() for part in pair.partition("="))
-        *tables, last = name.split(".")
-        if not equals or not value or not all([*tables, last]):
-            raise ValueError(f"--set takes NAME=VALUE, such as --set accel_time=3; got {pair!r}.")
-        inner = settings
-        for table in tables:
-            inner = inner.setdefault(table, {})
-            if not isinstance(inner, dict):
-                raise ValueError(f"--set {pair}: {table} has a value already.")
-        parsed = _value(value)
-        inner[last] = value if name in texts and not isinstance(parsed, str) else parsed
-    return settings
-
-
-def _value(text: str) -> Any:
-    import tomllib
-
-    try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
-        return text
-
-
-def _tuning_help(name: str) -> str:
-    """The tuning of a filter as its class declares it, comments and all."""
-    import inspect
-
-    make = _make(name)
-    lines = [line.strip() for line in inspect.getsource(make).splitlines()]
-    keys = tuple(f"{field}:" for field in inspect.signature(make).parameters)
-    return "\n".join(line for line in lines if line.startswith(keys))
 
 
 def _paths(given: Sequence[str]) -> list[str]:

@@ -9,7 +9,7 @@ from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from kreisel.cli.outputs import Output, output_folder, picture, write_json, write_outputs
+from kreisel.cli.outputs import Output, aligned, output_folder, picture, removed, write_json, write_outputs
 
 if TYPE_CHECKING:
     from kreisel.data.attitude import AttitudeHistory
@@ -169,7 +169,6 @@ def _complain_of(limits: list[dict[str, Any]]) -> int:
 
 
 def _print(args: Namespace, errors: AttitudeErrors, summary: Summary, files: list[str]) -> None:
-    from kreisel.cli.outputs import aligned
     from kreisel.cli.tables import print_table
 
     print(f"{args.estimate} against {args.truth}")
@@ -193,15 +192,7 @@ def _sentences(summary: Summary) -> list[str]:
     since = summary.convergence_time_s
     when = "never" if since is None else "from the start" if since == 0.0 else f"after {since:.4g} s"
     lines = [f"below {summary.convergence_limit_deg:g} deg for good: {when}"]
-    if summary.heading_offset_deg is not None:
-        lines.append(f"removed: heading offset of {summary.heading_offset_deg:.4g} deg")
-    for name, offset in (("frame", summary.frame_offset_deg), ("sensor", summary.sensor_offset_deg)):
-        if offset is not None:
-            parts = ", ".join(f"{angle:.4g}" for angle in offset)
-            lines.append(f"removed: turn of the {name} by the rotation vector ({parts}) deg")
-    if summary.clock_offset_s:
-        lines.append(f"removed: clock offset of {summary.clock_offset_s:.6g} s")
-    return lines
+    return [*lines, *removed(summary)]
 
 
 def _outputs(

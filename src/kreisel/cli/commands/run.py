@@ -17,10 +17,12 @@ from kreisel.cli.outputs import (
     describe_notes,
     output_folder,
     picture,
+    removed,
     simulation_outputs,
     write_json,
     write_outputs,
 )
+from kreisel.cli.surroundings import describe_field, describe_gravity, describe_place
 from kreisel.files.doors import write
 
 if TYPE_CHECKING:
@@ -76,7 +78,6 @@ def run(args: Namespace) -> int:
 
 
 def _described(scenario: Scenario, result: Result) -> list[str]:
-    from kreisel.study.building import declination
     from kreisel.study.scenario import TrajectoryRecipe
 
     t, recipe = result.motion.t, scenario.trajectory
@@ -84,11 +85,22 @@ def _described(scenario: Scenario, result: Result) -> list[str]:
     span = f"{len(t)} samples from {t[0]:.6g} to {t[-1]:.6g} s"
     sensors = ", ".join(dict.fromkeys(imu.sensor or "ideal sensor" for imu in scenario.imus))
     lines = [f"{scenario.name or 'scenario'}: {kind}, {span}, {sensors}, seed {scenario.seed}"]
-    if scenario.environment.field_N_uT is not None:
-        field = scenario.environment.field_N_uT
-        size = f"{np.linalg.norm(field):.4g} uT, dip {np.rad2deg(np.arctan2(-field[2], np.hypot(*field[:2]))):.1f} deg"
-        told = f"filters are told a declination of {np.rad2deg(declination(scenario.environment)):.2f} deg"
-        lines.append(f"  magnetic field {size}; {told}")
+    return [*lines, *_surroundings(scenario)]
+
+
+def _surroundings(scenario: Scenario) -> list[str]:
+    from kreisel.study.building import declination, surroundings
+
+    recipe, environment, lines = scenario.environment, surroundings(scenario.environment), []
+    if recipe.latitude_deg is not None and recipe.longitude_deg is not None:
+        place = describe_place(recipe.latitude_deg, recipe.longitude_deg, recipe.height_m or 0.0)
+        day = f" on {recipe.date}" if recipe.date else ""
+        lines.append(f"  at {place}{day}: {describe_gravity(environment)}")
+    if environment.field_N_uT is not None:
+        told = f"filters are told a declination of {np.rad2deg(declination(recipe)):.2f} deg"
+        lines.append(f"  {describe_field(environment.field_N_uT)}; {told}")
+    if recipe.disturbances:
+        lines.append(f"  disturbed by: {', '.join(each.kind for each in recipe.disturbances)}")
     return lines
 
 
@@ -109,16 +121,19 @@ def errors_table(estimates: Sequence[Estimate]) -> str:
     table = [
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
     ]
-    return "attitude errors in deg, root mean square and largest total:\n  " + "\n  ".join(table)
+    taken = [f"{e.imu}, {e.filter}, {line}" for e in estimates for line in removed(e.summary)]
+    return "attitude errors in deg, root mean square and largest total:\n  " + "\n  ".join([*table, *taken])
 
 
 def _outputs(scenario: Scenario, pictures: bool) -> list[Output[Result]]:
     """Every file that a run of `scenario` writes."""
+    from kreisel.study.building import surroundings
     from kreisel.study.sensor import errs, sensor_imu
 
-    imus = [imu.name for imu in scenario.imus]
-    erring = [imu.name for imu in scenario.imus if errs(sensor_imu(imu.sensor, folder=scenario.folder))]
-    magnetometer = scenario.environment.field_N_uT is not None
+    imus, world = [imu.name for imu in scenario.imus], surroundings(scenario.environment)
+    made = [sensor_imu(imu.sensor, environment=world, folder=scenario.folder) for imu in scenario.imus]
+    erring = [name for name, imu in zip(imus, made, strict=True) if errs(imu)]
+    magnetometer = world.field_N_uT is not None
     outputs: list[Output[Result]] = [
         *simulation_outputs(imus, erring=erring, magnetometer=magnetometer, pictures=pictures),
         Output(
@@ -157,7 +172,18 @@ def _estimate_pictures(k: int, imu: str, stem: str) -> list[Output[Result]]:
     def errors(made: Result) -> Any:
         return show.plot_attitude_errors(made.estimates[k].errors)
 
+    def bias(made: Result) -> Any:
+        return show.plot_bias(made.estimates[k].attitude, _true_bias(made, imu))
+
     return [
         picture(f"{stem}.png", "the attitude, over the truth", over_truth),
         picture(f"{stem}-errors.png", "heading and inclination error over time", errors),
+        picture(f"{stem}-bias.png", "the estimated gyro bias, over the true one", bias),
     ]
+
+
+def _true_bias(made: Result, imu: str) -> Any:
+    """Gyro bias (n, 3) at the recording's stamps; zero for an IMU without errors."""
+    known = next((r.gyro_bias for r in made.recorded if r.measured.name == imu), None)
+    recording = next(r for r in made.recordings if r.name == imu)
+    return np.zeros_like(recording.gyro) if known is None else known

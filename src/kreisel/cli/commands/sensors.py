@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -43,7 +44,13 @@ _SHOWN = {
         ("bias_random_walk", "bias random walk K", "ug/sqrt(s)", 1e6 / STANDARD_GRAVITY),
         ("turn_on_bias", "turn-on bias, one sigma", "mg", 1e3 / STANDARD_GRAVITY),
     ),
+    "mag": (
+        ("white_noise", "white noise N", "uT/sqrt(Hz)", 1.0),
+        ("turn_on_bias", "turn-on bias, one sigma", "uT", 1.0),
+    ),
 }
+_RANGES = {"gyro": "gyro_range_deg_per_s", "accel": "accel_range_g"}
+_UNITS = {"gyro": "rad/s", "accel": "m/s^2", "mag": "uT"}
 _SI = {
     "white_noise": "{}/sqrt(Hz)",
     "bias_instability": "{}",
@@ -82,8 +89,7 @@ def run(args: Namespace) -> int:
         models, preset = {"gyro": found.gyro, "accel": found.accel}, None
     else:
         preset = load(args.sensor)
-        gyro, accel = preset.triads()
-        models = {"gyro": gyro.noise, "accel": accel.noise}
+        models = _models(preset)
     if args.kalibr:
         from kreisel.files.kalibr import KalibrImu, write_kalibr
 
@@ -103,22 +109,38 @@ def _list(presets: list[Preset], as_json: bool) -> None:
         told = [_preset_json(preset) for preset in presets]
         print(json.dumps({"schema": "kreisel.sensors/1", "sensors": told}, indent=2))
         return
-    header = ("sensor", "grade", "gyro deg/sqrt(h)", "deg/h", "range", "accel m/s/sqrt(h)", "ug", "range")
+    header = (
+        "sensor",
+        "grade",
+        "gyro deg/sqrt(h)",
+        "deg/h",
+        "range",
+        "accel m/s/sqrt(h)",
+        "ug",
+        "range",
+        "mag",
+    )
     print_table(header, [_row(preset) for preset in presets])
     print(
-        "\nrandom walk N, bias instability (floor of the Allan deviation), range in deg/s and g; - is not stated. "
-        "kreisel sensors SENSOR shows more."
+        "\nrandom walk N, bias instability (floor of the Allan deviation), range in deg/s and g, magnetometer; "
+        "- is not stated. kreisel sensors SENSOR shows more."
     )
 
 
 def _row(preset: Preset) -> tuple[str, ...]:
-    cells = [preset.name, preset.grade]
-    for (sensor, shown), triad in zip(_SHOWN.items(), preset.triads(), strict=True):
-        cells += [_cell(getattr(triad.noise, quantity) * factor) for quantity, _, _, factor in shown[:2]]
-        cells.append(
-            _cell(preset.values.get("gyro_range_deg_per_s" if sensor == "gyro" else "accel_range_g", 0))
-        )
-    return tuple(cells)
+    cells, models = [preset.name, preset.grade], _models(preset)
+    for sensor, size in _RANGES.items():
+        model = models[sensor]
+        cells += [_cell(getattr(model, quantity) * factor) for quantity, _, _, factor in _SHOWN[sensor][:2]]
+        cells.append(_cell(preset.values.get(size, 0)))
+    return (*cells, "yes" if preset.has_magnetometer else "-")
+
+
+def _models(preset: Preset) -> dict[str, NoiseModel]:
+    """Noise by sensor, in SI units and microtesla; of a magnetometer where there is one."""
+    gyro, accel, mag = preset.triads()
+    models = {"gyro": gyro.noise, "accel": accel.noise}
+    return {**models, "mag": mag.noise} if preset.has_magnetometer else models
 
 
 def _cell(value: Any) -> str:
@@ -135,6 +157,8 @@ def _stated(preset: Preset) -> list[str]:
         axes = " ".join(f"{x:g}" for x in np.atleast_1d(value))
         lines.append(f"  {name} = {axes} {PARAMETERS[name].unit}: {PARAMETERS[name].meaning}")
         lines.append(f"      {preset.sources[name]}")
+    if preset.notes:
+        lines += ["", *fill(preset.notes, 110, initial_indent="  ", subsequent_indent="  ").splitlines()]
     return lines
 
 
@@ -142,7 +166,7 @@ def _meaning(models: dict[str, NoiseModel]) -> list[str]:
     """What the noise is in customary and in SI units; of axes that differ the noisiest."""
     rows = []
     for sensor, model in models.items():
-        unit = "rad/s" if sensor == "gyro" else "m/s^2"
+        unit = _UNITS[sensor]
         for quantity, meaning, customary, factor in _SHOWN[sensor]:
             value = float(np.max(getattr(model, quantity)))
             if value:
@@ -154,7 +178,7 @@ def _meaning(models: dict[str, NoiseModel]) -> list[str]:
 
 
 def _noise_json(models: dict[str, NoiseModel]) -> dict[str, Any]:
-    """SI units, per axis."""
+    """SI units and microtesla, per axis."""
     return {
         sensor: {quantity: getattr(model, quantity).tolist() for quantity in _SI}
         for sensor, model in models.items()
@@ -162,15 +186,15 @@ def _noise_json(models: dict[str, NoiseModel]) -> dict[str, Any]:
 
 
 def _preset_json(preset: Preset) -> dict[str, Any]:
-    gyro, accel = preset.triads()
     return {
         "name": preset.name,
         "part": preset.part,
         "maker": preset.maker,
         "grade": preset.grade,
         "datasheet": preset.datasheet,
+        "notes": preset.notes,
         "values": {
             name: {"value": value, "source": preset.sources[name]} for name, value in preset.values.items()
         },
-        "noise": _noise_json({"gyro": gyro.noise, "accel": accel.noise}),
+        "noise": _noise_json(_models(preset)),
     }

@@ -1,4 +1,4 @@
-"""Turns a file of poses into what an IMU on that body would have read: `kreisel simulate`."""
+"""Turns a file of poses, waypoints or segments into what an IMU on that body would have read: `kreisel simulate`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from kreisel.cli.inputs import add_input_arguments, read_input
+from kreisel.cli.courses import add_course_arguments, read_course
+from kreisel.cli.inputs import add_input_arguments
 from kreisel.cli.outputs import (
     Simulation,
     aligned,
@@ -19,14 +20,21 @@ from kreisel.cli.outputs import (
     simulation_outputs,
     write_outputs,
 )
+from kreisel.cli.surroundings import (
+    add_place_arguments,
+    describe_declination,
+    describe_field,
+    describe_gravity,
+    environment_at,
+)
 from kreisel.data.checks import choice, file_name
+from kreisel.data.environment import Environment
 from kreisel.data.frames import WORLDS, to_enu_flu
 from kreisel.data.motion import Mount
 from kreisel.data.recording import ImuRecording
-from kreisel.data.trajectory import Poses, even_times
 from kreisel.files.doors import format_names
 
-HELP = "IMU data of a body that moves along the poses in a file"
+HELP = "IMU data of a body that moves along the poses, waypoints or segments in a file"
 
 _EXAMPLES = """\
 examples:
@@ -35,9 +43,13 @@ examples:
   kreisel simulate poses.csv -o out/ --imu bmi088 --seed 7
   kreisel simulate poses.csv -o out/ --sensor bmi088 --imu left:0,0.1,0 --imu right:0,-0.1,0
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
+  kreisel simulate mocap.csv -o out/ --noise 0.1mm,0.01deg --max-gap 0.5
   kreisel simulate flight.csv -o out/ --frame ned-frd
   kreisel simulate flight.bag --topic /odom -o out/ --imu-format mcap
   kreisel simulate poses.csv -o out/ --rate 1000 --check
+  kreisel simulate walk.csv -o out/ --place 48.14,11.58,520 --date 2026-05-01 --turning
+  kreisel simulate mission.csv --as waypoints -o out/ --rate 200 --max-speed 8 --max-acceleration 4 --banked
+  kreisel simulate drive.csv --as profile -o out/ --rate 100
 """
 
 
@@ -63,11 +75,16 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--seed", type=int, default=0, help="whole number from which noise is drawn (default 0)"
     )
+    add_place_arguments(parser)
     parser.add_argument("--rate", type=float, metavar="HZ", help="IMU rate (default: the times of the poses)")
     parser.add_argument(
-        "--method", default="auto", help="auto (default), spline, smooth or gradient (MATLAB's scheme)"
+        "--method", help="of poses: auto (default), spline, smooth or gradient (MATLAB's scheme)"
     )
-    parser.add_argument("--orientation", help="tangent or transport, in place of the file's attitude")
+    parser.add_argument(
+        "--orientation",
+        help="tangent or transport, in place of the file's attitude; of waypoints and profiles tangent or level",
+    )
+    add_course_arguments(parser)
     parser.add_argument("--to-frame", default="enu-flu", help=f"world of the output: {', '.join(WORLDS)}")
     parser.add_argument(
         "--imu-format",
@@ -88,7 +105,6 @@ def configure(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Read, differentiate, mount, write."""
-    from kreisel.simulate.trajectories.sampled import SampledTrajectory
     from kreisel.study.sensor import errs, record_all, sensor_imu
 
     started = time.perf_counter()
@@ -100,10 +116,12 @@ def run(args: Namespace) -> int:
     given = [parse_imu(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
     mounts = [to_enu_flu(mount, args.frame) for mount, _ in given]
     sensors = [sensor or args.sensor for _, sensor in given]
-    imus = [sensor_imu(sensor, mount) for mount, sensor in zip(mounts, sensors, strict=True)]
+    environment = environment_at(args)
+    imus = [sensor_imu(sensor, mount, environment) for mount, sensor in zip(mounts, sensors, strict=True)]
     outputs = simulation_outputs(
         [mount.name for mount in mounts],
         erring=[imu.mount.name for imu in imus if errs(imu)],
+        magnetometer=environment.field_N_uT is not None,
         world=args.to_frame,
         imu_format=args.imu_format,
         pictures=not args.no_pictures,
@@ -111,16 +129,14 @@ def run(args: Namespace) -> int:
         rerun=args.rerun,
     )
     check_outputs(args.output, outputs)
-    poses = read_input(args, kind="poses")
-    assert isinstance(poses, Poses)  # the kind asked for
-    trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method)
-    motion = trajectory.sample(None if args.rate is None else even_times(*trajectory.span, args.rate))
+    motion, held = read_course(args)
     made = Simulation(motion, mounts, *record_all(imus, motion, args.seed))
     lines = write_outputs(args.output, outputs, made)
     told = ", ".join(dict.fromkeys(sensor or "ideal sensor" for sensor in sensors))
     told += f", seed {args.seed}" if made.recorded else ""
-    span = motion.t[-1] - motion.t[0]
-    print(f"{args.input}: {len(poses)} poses over {span:.4g} s -> {len(motion)} IMU samples, {told}")
+    print(f"{args.input}: {held} -> {len(motion)} IMU samples, {told}")
+    if args.place is not None:
+        print(f"  {_described(environment)}")
     print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
     print(f"written in {time.perf_counter() - started:.1f} s:")
     print(aligned(lines))
@@ -128,6 +144,13 @@ def run(args: Namespace) -> int:
         print("integrated back from the first pose, the largest errors are:")
         print(aligned([line for imu in imus for line in describe_round_trip(imu, motion)]))
     return 0
+
+
+def _described(environment: Environment) -> str:
+    parts = [describe_gravity(environment)]
+    if environment.field_N_uT is not None:
+        parts += [describe_field(environment.field_N_uT), describe_declination(environment)]
+    return "\n  ".join(parts)
 
 
 def parse_imu(text: str, number: int = 0) -> tuple[Mount, str | None]:

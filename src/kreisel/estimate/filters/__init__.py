@@ -5,15 +5,18 @@ The name a user types is the file name with dashes.
 
 from __future__ import annotations
 
-from typing import Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
 
+if TYPE_CHECKING:
+    from kreisel.estimate.answers import Columns
+
 Array = npt.NDArray[np.float64]
 
 # A filter's state is one flat float64 array that begins with its answer, in these places.
-R_NS = 0  # 9: row by row
+R_NS = 0  # 9: row by row; the first two of unit length, the third their product, all nearly at right angles
 GYRO_BIAS = 9  # 3: in S, rad/s
 FLAGS = 12  # REST + DISTURBED + HELD of the latest sample
 HEADING = 13  # rad: what the magnetometer has turned the answer by, about up
@@ -34,6 +37,11 @@ class AttitudeFilter(Protocol):
     @property
     def needs_mag(self) -> bool:
         """Whether a recording without a magnetometer is refused."""
+        ...
+
+    @property
+    def learns_bias(self) -> bool:
+        """False where gyro_bias is zero always; `batch` leaves that column alone then."""
         ...
 
     def parameters(self) -> Array:
@@ -59,13 +67,9 @@ class AttitudeFilter(Protocol):
         gyro: Array,
         accel: Array,
         mag: Array,
-        first: int,
-        answers: Array,
+        out: Columns,
     ) -> None:
-        """The same through the samples from `first` on, as many as answers (m, ANSWER) has rows.
-
-        t (n,) s and the others (n, 3) are whole: the first step's dt is that to the sample before.
-        """
+        """The same through all samples, t (n,) s and the others (n, 3), the first with dt = 0; fills `out`."""
         ...
 
 
@@ -86,8 +90,7 @@ class LaneFilter(Protocol):
         gyro: Array,
         accel: Array,
         mag: Array,
-        first: int,
-        answers: Array,
+        out: Columns,
     ) -> None:
-        """`batch` for so many states (lanes, STATE) with the same bits; all else has the lanes in front as well."""
+        """`batch` for so many states (lanes, STATE) with the same bits; all but t (n,) has the lanes in front."""
         ...

@@ -44,11 +44,13 @@ KEEPS = "every bit of every number, epoch stamps to the nanosecond; attitude as 
 
 _DIGITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}
 _MOTION = ("p", "v", "a", "omega", "alpha")
+_MOTION_SIGMAS = ("theta_sigma", "a_sigma", "omega_sigma", "alpha_sigma")
+_IMU_SIGMAS = ("gyro_sigma", "accel_sigma")
 _FLAGS = ("rest", "disturbed", "held", "counts")
 _GROUPS_OF = {
-    "imu": ("gyro", "accel", "mag"),
+    "imu": ("gyro", "accel", "mag", *_IMU_SIGMAS),
     "poses": ("p", "q", "phi", "v"),
-    "motion": ("p", "q", "phi", "v", "a", "omega", "alpha"),
+    "motion": ("p", "q", "phi", "v", "a", "omega", "alpha", *_MOTION_SIGMAS),
     "attitude": ("q", "phi", "gyro_bias", "a", "sigma", "rest", "disturbed", "held"),
     "reference": ("q", "phi", "counts"),
 }
@@ -118,6 +120,7 @@ def _contents(data: Noun) -> dict[str, Array | Mask]:
     found: dict[str, Array | Mask | None]
     if isinstance(data, ImuRecording):
         found = {"gyro": data.gyro, "accel": data.accel, "mag": data.mag_uT}
+        found |= {group: getattr(data, group) for group in _IMU_SIGMAS}
     elif isinstance(data, Reference):
         found = {"q": _quat_where_known(data), "counts": data.counts}
     elif isinstance(data, AttitudeHistory):
@@ -128,6 +131,7 @@ def _contents(data: Noun) -> dict[str, Array | Mask]:
         found = {"p": data.p_NB, "q": quat, "v": data.v_NB}
     if isinstance(data, Motion):
         found |= {"a": data.a_NB, "omega": data.omega_NB_B, "alpha": data.alpha_NB_B}
+        found |= {group: getattr(data, group) for group in _MOTION_SIGMAS}
     return {group: array for group, array in found.items() if array is not None}
 
 
@@ -217,9 +221,9 @@ def _digits(file: TextFile, column: Column, first: bytes) -> int:
 
 def _may_lack(kind: str, groups: list[str], values: Array) -> Mask:
     """Where (n, m) NaN has a meaning: no sample, a bias not known, a reference that lost sight."""
-    if kind in ("poses", "motion"):
-        return np.zeros(values.shape, dtype=np.bool_)
     owners = np.array([group for group in groups for _ in GROUPS[group][0]])
+    if kind in ("poses", "motion"):
+        return np.broadcast_to(np.isin(owners, _MOTION_SIGMAS), values.shape)
     if kind == "reference":
         return (values[:, owners == "counts"] == 0.0) & np.isin(owners, ("q", "phi"))
     return np.broadcast_to(~np.isin(owners, ("q", "phi", *_FLAGS)), values.shape)
@@ -239,13 +243,15 @@ def _scaled(values: Array, groups: list[str], found: Mapping[str, Column]) -> di
 def _noun(kind: str, file: TextFile, t: Array, t0_ns: int, columns: dict[str, Array]) -> Noun:
     name = file.path.stem
     if kind == "imu":
-        return ImuRecording(t, columns["gyro"], columns["accel"], columns.get("mag"), t0_ns, name)
+        sigmas = {group: columns.get(group) for group in _IMU_SIGMAS}
+        return ImuRecording(t, columns["gyro"], columns["accel"], columns.get("mag"), t0_ns, name, **sigmas)
     R = _attitude(file, columns)
     if R is None or kind == "poses":
         return Poses(t, columns["p"], R, columns.get("v"), t0_ns, name)
     if kind == "motion":
         p, v, a, omega, alpha = (columns[group] for group in _MOTION)
-        return Motion(t, p, v, a, R, omega, alpha, t0_ns, name)
+        sigmas = {group: columns.get(group) for group in _MOTION_SIGMAS}
+        return Motion(t, p, v, a, R, omega, alpha, t0_ns, name, **sigmas)
     flags = {group: _flags(file, columns[group], group) for group in _FLAGS if group in columns}
     if kind == "reference":
         return Reference(t, R, flags["counts"], t0_ns, name)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import zipfile
-import zlib
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
 
+from kreisel.data.archive import arrays_in
 from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
@@ -36,21 +35,9 @@ def read(path: Path, options: ReadOptions) -> Noun:
                 f"{path} is one bare array (.npy), not an archive of named ones. Save those with numpy.savez."
             )
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        EOFError,
-        KeyError,
-        ValueError,
-        AttributeError,
-        NotImplementedError,
-    ):
-        raise ValueError(
-            f"{path} is not a whole NPZ archive of plain arrays: it was cut off, is of another kind, "
-            "or holds pickled objects, which are never loaded."
-        ) from None
+        arrays = arrays_in(path)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
     return from_arrays(path, arrays, options)
 
 

@@ -165,9 +165,10 @@ def _from_imu(bag: Bag, chosen: Choice, kind: str | None) -> ImuRecording | Atti
     for what, part in (("angular velocity", values[:, :6]), ("linear acceleration", values[:, 6:12])):
         if not _any_reported(part):
             raise ValueError(f"its covariance says that it reports no {what} (-1). Take another topic.")
-    mag_uT, mag_sigma_uT = _field(bag, chosen.mag, ns)
-    sigmas = _sigma(values[:, :6]), _sigma(values[:, 6:12]), mag_sigma_uT
-    return ImuRecording(t, gyro, accel, mag_uT, t0_ns, name, *sigmas)
+    mag_uT, mag_noise_uT = _field(bag, chosen.mag, ns)
+    (gyro_noise, gyro_sigma), (accel_noise, accel_sigma) = _noise(values[:, :6]), _noise(values[:, 6:12])
+    sigmas, noises = (gyro_sigma, accel_sigma), (gyro_noise, accel_noise, mag_noise_uT)
+    return ImuRecording(t, gyro, accel, mag_uT, t0_ns, name, *sigmas, *noises)
 
 
 def _any_reported(values: Array) -> bool:
@@ -179,11 +180,17 @@ def _reported(values: Array) -> Array:
     return np.where(values[:, 3:4] == UNREPORTED, np.nan, values[:, :3])
 
 
-def _sigma(values: Array) -> Array | None:
-    """The deviation (3,) that all rows agree on; None where they do not, or it is not known."""
-    variances = values[values[:, 3] != UNREPORTED, 3:]
-    known = len(variances) and (variances == variances[0]).all() and (variances[0] > 0.0).any()
-    return np.sqrt(variances[0]) if known and (variances[0] >= 0.0).all() else None
+def _noise(values: Array) -> tuple[Array | None, Array | None]:
+    """(the deviation (3,) that all rows agree on, or one (n, 3) for each row), of which one at most is known."""
+    reported = values[:, 3] != UNREPORTED
+    variances = values[reported, 3:]
+    if not len(variances) or not ((variances >= 0.0).all() and (variances > 0.0).any()):
+        return None, None
+    if (variances == variances[0]).all():
+        return np.sqrt(variances[0]), None
+    sigma = np.full((len(values), 3), np.nan)
+    sigma[reported] = np.sqrt(variances)
+    return None, sigma
 
 
 def _spread(variances: Array) -> Array | None:
@@ -201,8 +208,8 @@ def _field(bag: Bag, topic: Topic | None, ns: Nanoseconds) -> tuple[Array | None
     _tell(f"{bag.path}, topic {topic.name}", mag_ns[taken] - ns[rows], len(mag_ns) - len(taken))
     mag_uT = np.full((len(ns), 3), np.nan)
     mag_uT[rows] = _reported(values)[taken] * UT_PER_T
-    sigma = _sigma(values)
-    return mag_uT, None if sigma is None else sigma * UT_PER_T
+    noise, _ = _noise(values)
+    return mag_uT, None if noise is None else noise * UT_PER_T
 
 
 def _nearest(mag_ns: Nanoseconds, ns: Nanoseconds) -> tuple[Indices, Indices]:

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.checks import Array
@@ -34,6 +33,7 @@ KEEPS = "int64 nanoseconds exactly, values to the bit; attitude to 1e-15, microt
 WORLD, BODY, SENSOR = "odom", "base_link", "imu_link"
 # Of a rate that is not known: a message has no other way to say it, and filters divide by it.
 _NO_IDEA = 1e6
+_NONE = np.array([UNREPORTED, *[0.0] * 8])  # the covariance of what is not reported
 _LAST_SECOND = {1: 2**32, 2: 2**31}  # of the unsigned and the signed seconds of either ROS
 
 
@@ -138,64 +138,53 @@ def _recording(make: _Maker, data: ImuRecording, ns: Nanoseconds) -> list[Publis
 
 
 def _imu(make: _Maker, data: ImuRecording, ns: Nanoseconds) -> Iterator[tuple[int, Any]]:
-    gyro, no_gyro = _covariances(data.gyro_sigma)
-    accel, no_accel = _covariances(data.accel_sigma)
-    level, no_attitude = make.vector([0.0, 0.0, 0.0, 1.0], "Quaternion"), _covariances(None)[1]
-    rows = zip(
-        ns.tolist(), data.gyro.tolist(), data.accel.tolist(), _lost(data.gyro), _lost(data.accel), strict=True
-    )
-    for stamp, w, f, no_w, no_f in rows:
-        yield (
-            stamp,
-            make(
-                IMU,
-                header=make.header(stamp, SENSOR),
-                orientation=level,
-                orientation_covariance=no_attitude,
-                angular_velocity=make.vector(w),
-                angular_velocity_covariance=no_gyro if no_w else gyro,
-                linear_acceleration=make.vector(f),
-                linear_acceleration_covariance=no_accel if no_f else accel,
-            ),
+    of_gyro = _covariances(data.gyro, data.gyro_noise, data.gyro_sigma)
+    of_accel = _covariances(data.accel, data.accel_noise, data.accel_sigma)
+    level = make.vector([0.0, 0.0, 0.0, 1.0], "Quaternion")
+    rows = zip(ns.tolist(), data.gyro.tolist(), of_gyro, data.accel.tolist(), of_accel, strict=True)
+    for stamp, w, of_w, f, of_f in rows:
+        message = make(
+            IMU,
+            header=make.header(stamp, SENSOR),
+            orientation=level,
+            orientation_covariance=_NONE,
+            angular_velocity=make.vector(w),
+            angular_velocity_covariance=of_w,
+            linear_acceleration=make.vector(f),
+            linear_acceleration_covariance=of_f,
         )
+        yield stamp, message
 
 
 def _field(make: _Maker, data: ImuRecording, ns: Nanoseconds) -> Iterator[tuple[int, Any]]:
     assert data.mag_uT is not None  # asked before
-    covariance, _ = _covariances(None if data.mag_sigma_uT is None else data.mag_sigma_uT / UT_PER_T)
-    for stamp, field, missing in zip(
-        ns.tolist(), (data.mag_uT / UT_PER_T).tolist(), _lost(data.mag_uT), strict=True
-    ):
-        if not missing:
+    tesla, noise = data.mag_uT / UT_PER_T, data.mag_noise_uT
+    covariances = _covariances(tesla, None if noise is None else noise / UT_PER_T)
+    for stamp, field, covariance in zip(ns.tolist(), tesla.tolist(), covariances, strict=True):
+        if covariance[0] != UNREPORTED:
+            header, vector = make.header(stamp, SENSOR), make.vector(field)
             yield (
                 stamp,
-                make(
-                    FIELD,
-                    header=make.header(stamp, SENSOR),
-                    magnetic_field=make.vector(field),
-                    magnetic_field_covariance=covariance,
-                ),
+                make(FIELD, header=header, magnetic_field=vector, magnetic_field_covariance=covariance),
             )
 
 
 def _attitude(make: _Maker, data: AttitudeHistory, ns: Nanoseconds) -> Iterator[tuple[int, Any]]:
     """The orientation of an IMU that reports nothing else."""
-    zero, unreported = make.vector([0.0, 0.0, 0.0]), _covariances(None)[1]
-    sigma = np.zeros((len(data), 3)) if data.sigma is None else data.sigma
-    for stamp, quat, deviation in zip(ns.tolist(), _quat_xyzw(data.R_NS), sigma, strict=True):
-        yield (
-            stamp,
-            make(
-                IMU,
-                header=make.header(stamp, SENSOR),
-                orientation=make.vector(quat, "Quaternion"),
-                orientation_covariance=np.diag(deviation**2).ravel(),
-                angular_velocity=zero,
-                angular_velocity_covariance=unreported,
-                linear_acceleration=zero,
-                linear_acceleration_covariance=unreported,
-            ),
+    zero = make.vector([0.0, 0.0, 0.0])
+    covariances = _covariances(np.zeros((len(data), 3)), None, data.sigma)
+    for stamp, quat, covariance in zip(ns.tolist(), _quat_xyzw(data.R_NS), covariances, strict=True):
+        message = make(
+            IMU,
+            header=make.header(stamp, SENSOR),
+            orientation=make.vector(quat, "Quaternion"),
+            orientation_covariance=covariance,
+            angular_velocity=zero,
+            angular_velocity_covariance=_NONE,
+            linear_acceleration=zero,
+            linear_acceleration_covariance=_NONE,
         )
+        yield stamp, message
 
 
 def _poses(make: _Maker, data: Poses | Motion, ns: Nanoseconds) -> list[Published]:
@@ -263,14 +252,12 @@ def _quat_xyzw(R: Array) -> list[list[float]]:
     return quat_wxyz_from_matrix(R)[:, [1, 2, 3, 0]].tolist()
 
 
-def _lost(values: Array) -> npt.NDArray[np.bool_]:
-    """Which rows (n,) are no sample at all."""
-    return np.asarray(np.isnan(values).all(axis=1))
-
-
-def _covariances(sigma: Array | None) -> tuple[Array, Array]:
-    """(of a reading, of none), (9,) each; zeros where it is not known, -1 first where there is no reading."""
-    covariance = np.zeros(9) if sigma is None else np.diag(sigma**2).ravel()
-    none = covariance.copy()
-    none[0] = UNREPORTED
-    return covariance, none
+def _covariances(readings: Array, noise: Array | None, sigma: Array | None = None) -> Array:
+    """Matrices (n, 9) of noise (3,) and error (n, 3): 0 where not known, -1 first where there is no reading."""
+    covariances = np.zeros((len(readings), 9))
+    if noise is not None:
+        covariances[:, ::4] += noise**2
+    if sigma is not None:
+        covariances[:, ::4] += np.where(np.isnan(sigma), 0.0, sigma) ** 2
+    covariances[np.isnan(readings).all(axis=1), 0] = UNREPORTED
+    return covariances

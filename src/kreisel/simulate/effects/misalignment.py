@@ -13,6 +13,9 @@ from kreisel.maths.random import Stream
 from kreisel.maths.rotations import exp_so3
 from kreisel.simulate.context import Context
 
+LARGEST_ANGLE = 0.1
+"""Deviation of the draws at most, rad: a radian of them could leave no axes at all."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Misalignment:
@@ -29,8 +32,7 @@ class Misalignment:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "matrix", regular("matrix", self.matrix, "without unit"))
-        # A radian of draws could leave no axes at all.
-        object.__setattr__(self, "sigma", per_axis("sigma", self.sigma, "rad", 0.0, 0.1))
+        object.__setattr__(self, "sigma", per_axis("sigma", self.sigma, "rad", 0.0, LARGEST_ANGLE))
 
     @classmethod
     def from_angles(

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from kreisel.data.checks import Array, per_axis
+from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.maths.kernels import ROW, argument, kernel, row_of_axes
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
@@ -37,7 +38,8 @@ class Range:
         g = float(np.linalg.norm(context.environment.g_N))
         if context.sensor == "accel" and self.limit.min() < g:
             raise ValueError(
-                f"limit of an accelerometer's range must not be below gravity, {g:.5g} m/s^2; got {self.limit} m/s^2. "
+                f"limit of an accelerometer's range (accel_range_g of a datasheet) must not be below gravity, "
+                f"{g:.6g} m/s^2; got {self.limit} m/s^2, which is {self.limit.min() / STANDARD_GRAVITY:.3g} g. "
                 "A range in g is to be multiplied by 9.80665."
             )
         return np.zeros(0)

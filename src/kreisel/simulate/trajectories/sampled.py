@@ -10,25 +10,23 @@ import numpy as np
 
 from kreisel.data.checks import (
     Array,
+    as_array,
     choice,
     finite,
     increasing,
+    per_axis,
     radians,
     read_only,
     rotations,
     same_length,
+    scalar,
     shaped,
     unit_quaternions,
 )
 from kreisel.data.motion import Motion, Note
+from kreisel.data.smoothing import Smoothing
 from kreisel.data.trajectory import Poses
-from kreisel.maths.derivatives import (
-    SECOND_DERIVATIVE_GAIN,
-    Interpolation,
-    Signal,
-    interpolating_spline,
-    noise_level,
-)
+from kreisel.maths.derivatives import Interpolation, Signal
 from kreisel.maths.following.carried import Carried
 from kreisel.maths.following.course import Course
 from kreisel.maths.following.tangent import Attitude
@@ -40,15 +38,15 @@ from kreisel.maths.rotations import (
     quat_wxyz_from_matrix,
 )
 from kreisel.simulate.notes import AIMLESS, joint_notes
+from kreisel.simulate.samples import FEWEST_SMOOTH, Behind, Columns, behind, gaps, known_rows
 
 METHODS = ("auto", "spline", "smooth", "gradient")
 
-# Interpolating is as good as the samples when their noise stays under a tenth of a milli-g in the
-# acceleration (and 1e-3 rad/s^2 in the angular one): an accelerometer's own noise hides it.
-CLEAN_BELOW = 1e-3
+MAX_GAP = 0.25
+"""Seconds without samples that are bridged unless a user allows more: a quarter of a cycle of the slowest human motion."""
 
 # Below, a spline has no third derivative to turn a tangent by; a smoother has nothing to average.
-_FEWEST = {"spline": 6, "smooth": 20, "gradient": 3}
+_FEWEST = {"spline": 6, "smooth": FEWEST_SMOOTH, "gradient": 3}
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +63,10 @@ class SampledTrajectory:
         noisy, with the help of `velocity` where it is given, interpolates what is clean, and says which in
         the notes of the motion.
     velocity: (n, 3) m/s in N, where the source has it.
+    position_noise: m, standard deviation of the noise of positions, one number or one per axis of N, where it is known;
+        found from the samples where it is left out. attitude_noise: rad, the same about the axes of B.
+    max_gap: s, longest time without samples that is bridged. Rows with NaN are missing samples, of position or of
+        attitude alone.
     """
 
     t: Array
@@ -75,66 +77,156 @@ class SampledTrajectory:
     velocity: Array | None = None
     t0_ns: int = 0
     name: str = ""
+    position_noise: Any = None
+    attitude_noise: Any = None
+    max_gap: float = MAX_GAP
 
     def __post_init__(self) -> None:
         put = object.__setattr__
         choice("method", self.method, METHODS)
+        put(self, "max_gap", scalar("max_gap", self.max_gap, "in s", 0.0))
         if self.order is not None:
             choice("order", self.order, ("wxyz", "xyzw"))
         put(self, "t", increasing("t", shaped("t", self.t, ("n",))))
-        put(self, "position", finite("position", shaped("position", self.position, ("n", 3))))
+        put(self, "position", _measured("position", shaped("position", self.position, ("n", 3))))
         if self.velocity is not None:
             put(self, "velocity", finite("velocity", shaped("velocity", self.velocity, ("n", 3))))
         same_length(self.t, position=self.position, velocity=self.velocity)
-        fewest = _FEWEST["spline" if self.method == "auto" else self.method]
-        if len(self.t) < fewest:
-            raise ValueError(
-                f"method {self.method!r} needs at least {fewest} samples; got {len(self.t)}. "
-                "Give more samples, or functions to FunctionTrajectory."
-            )
         if isinstance(self.orientation, str):
             choice("orientation", self.orientation, ("tangent", "transport"))
         else:
             put(self, "orientation", _quaternions(self.orientation, self.order))
             same_length(self.t, orientation=self.orientation)
+        self._check_noise()
+        self._check_gaps()
+
+    def _check_noise(self) -> None:
+        for name, unit in (("position_noise", "in m"), ("attitude_noise", "in rad")):
+            given = getattr(self, name)
+            if given is None:
+                continue
+            if self.method in ("spline", "gradient"):
+                raise ValueError(f"{name} is for smoothing; method {self.method!r} takes the samples as they are.")
+            sigma = per_axis(name, given, unit)
+            if not (sigma > 0.0).all():
+                raise ValueError(f"{name} must be above 0, {unit}; got {given!r}. Leave it out to have it found.")
+            object.__setattr__(self, name, sigma)
+        if self.attitude_noise is not None and isinstance(self.orientation, str):
+            raise ValueError(f"attitude_noise has no meaning with orientation {self.orientation!r}: no attitude is measured.")
+
+    def _check_gaps(self) -> None:
+        """Refuse too few samples, and gaps that are too long."""
+        fewest = _FEWEST["spline" if self.method == "auto" else self.method]
+        for what, t in self._stamps.items():
+            if len(t) < fewest:
+                raise ValueError(
+                    f"method {self.method!r} needs at least {fewest} samples of {what}; got {len(t)}. "
+                    "Give more samples, or functions to FunctionTrajectory."
+                )
+            if self.method != "gradient":
+                gaps(what, t, self.max_gap)
+            elif len(t) < len(self.t):
+                k = int(np.argmin(np.isin(self.t, t)))
+                raise ValueError(f'method "gradient" bridges no gaps: {what} must be finite; row {k} is not.')
 
     @classmethod
-    def from_poses(cls, poses: Poses, orientation: Any = None, method: str = "auto") -> SampledTrajectory:
+    def from_poses(
+        cls,
+        poses: Poses,
+        orientation: Any = None,
+        method: str = "auto",
+        *,
+        position_noise: Any = None,
+        attitude_noise: Any = None,
+        max_gap: float = MAX_GAP,
+    ) -> SampledTrajectory:
         """From a file's poses; `orientation` takes the place of theirs, "tangent" that of missing ones."""
         if orientation is None:
             orientation = "tangent" if poses.R_NB is None else poses.R_NB
         return cls(
-            poses.t, poses.p_NB, orientation, method, velocity=poses.v_NB, t0_ns=poses.t0_ns, name=poses.name
+            poses.t,
+            poses.p_NB,
+            orientation,
+            method,
+            velocity=poses.v_NB,
+            t0_ns=poses.t0_ns,
+            name=poses.name,
+            position_noise=position_noise,
+            attitude_noise=attitude_noise,
+            max_gap=max_gap,
         )
 
     @property
     def span(self) -> tuple[float, float]:
-        """Time of the first and of the last sample, s."""
-        return float(self.t[0]), float(self.t[-1])
+        """Time of the first and of the last sample, s, of what both position and attitude are known at."""
+        first, last = zip(*((t[0], t[-1]) for t in self._stamps.values()), strict=True)
+        return float(max(first)), float(min(last))
+
+    @property
+    def position_smoothing(self) -> Smoothing | None:
+        """What was found in the positions; None where they are interpolated, or differenced."""
+        return None if self.method == "gradient" else self._position.smoothing
+
+    @property
+    def attitude_smoothing(self) -> Smoothing | None:
+        """What was found in the attitudes; None where they are interpolated, differenced, or follow the path."""
+        follows = isinstance(self.orientation, str)
+        return None if self.method == "gradient" or follows else self._attitude.smoothing
 
     def sample(self, t: Array | None = None) -> Motion:
-        """Motion at times `t` (n,) s inside the span; at the samples' own times where `t` is left out."""
-        times = self.t if t is None else increasing("t", shaped("t", t, ("n",)))
+        """Motion at times `t` (n,) s inside the span; at the samples' own times where `t` is left out.
+
+        Where positions or attitudes are smoothed it has standard errors.
+        """
+        first, last = self.span
+        own = self.t[(self.t >= first) & (self.t <= last)]
+        times = own if t is None else increasing("t", shaped("t", t, ("n",)))
         self._inside(times)
         if self.method == "gradient":
             return self._gradient_motion(times)
-        position, position_note = self._position
+        position = self._position
+        p, v, a = position.signal(times, 2)
         if isinstance(self.orientation, str):
-            (R, omega, alpha), notes = self._along(position, times)
+            attitude, notes = self._along(times)
         else:
-            attitude, attitude_note = self._attitude
-            R, omega, alpha = quaternion_motion(*attitude(times, 2))
-            notes = (attitude_note,)
-        p, v, a = position(times, 2)
-        p, v, a, R, omega, alpha = map(read_only, (p, v, a, R, omega, alpha))
-        return Motion(times, p, v, a, R, omega, alpha, self.t0_ns, self.name, (position_note, *notes))
+            attitude = Attitude(*quaternion_motion(*self._attitude.signal(times, 2)))
+            notes = self._attitude.notes
+        p, v, a, R, omega, alpha = map(read_only, (p, v, a, *attitude))
+        sigmas = {name: read_only(sigma) for name, sigma in self._sigmas(times, R).items()}
+        notes = (*position.notes, *notes)
+        return Motion(times, p, v, a, R, omega, alpha, self.t0_ns, self.name, notes, **sigmas)
 
-    def _along(self, position: Signal, times: Array) -> tuple[Attitude, tuple[Note, ...]]:
+    def _along(self, times: Array) -> tuple[Attitude, tuple[Note, ...]]:
         """Attitude of a body that follows the path, and notes on where its heading jumps."""
         kind = Carried if self.orientation == "transport" else Course
-        course = kind(position, self.t, position.floor)
+        position = self._position.signal
+        course = kind(position, self._position.t, position.floor)
         lost = (AIMLESS,) if course.aimless else ()
         return course.attitude(times), (*_corner_notes(position), *joint_notes(course.joints()), *lost)
+
+    def _sigmas(self, times: Array, R_NB: Array) -> dict[str, Array]:
+        """Standard errors of a motion at `times`; none where nothing is smoothed."""
+        position = self._position
+        if isinstance(self.orientation, str):
+            if position.smoothing is None:
+                return {}
+            variances = position.variances(times, range(4))
+            turns = self._turns_along(times, R_NB, variances)
+        elif position.smoothing is None and self._attitude.smoothing is None:
+            return {}
+        else:
+            variances = position.variances(times, range(2, 3))
+            turns = tuple(np.sqrt(self._attitude.variances(times, range(3))))
+        a_sigma = np.sqrt(variances[0 if len(variances) == 1 else 2])
+        return dict(zip(("theta_sigma", "omega_sigma", "alpha_sigma"), turns, strict=True)) | {"a_sigma": a_sigma}
+
+    def _turns_along(self, times: Array, R_NB: Array, variances: Array) -> tuple[Array, Array, Array]:
+        from kreisel.maths.following.uncertainty import carried_sigmas, course_sigmas
+
+        derivatives = self._position.signal(times, 3)
+        if self.orientation == "transport":
+            return carried_sigmas(R_NB, derivatives, variances)
+        return course_sigmas(times, derivatives, variances)
 
     def _inside(self, times: Array) -> None:
         first, last = self.span
@@ -147,31 +239,28 @@ class SampledTrajectory:
             )
 
     @cached_property
-    def _position(self) -> tuple[Signal, Note]:
-        return self._signal("positions", "m", self.position, rate=self.velocity)
+    def _stamps(self) -> dict[str, Array]:
+        """Times of the samples that are there, by what they are of."""
+        columns = {"positions": self.position}
+        if not isinstance(self.orientation, str):
+            columns["attitudes"] = self.orientation
+        return {what: self.t[known_rows(x)] for what, x in columns.items()}
 
     @cached_property
-    def _attitude(self) -> tuple[Signal, Note]:
-        # Sign-continuous quaternions have no wraps, and their noise is the same in every component.
-        return self._signal("attitude", "", self.orientation, shared=True)
+    def _position(self) -> Behind:
+        known = known_rows(self.position)
+        rate = None if self.velocity is None else self.velocity[known]
+        return self._behind("positions", self.position[known], self.position_noise, rate)
 
-    def _signal(
-        self, what: str, unit: str, x: Array, rate: Array | None = None, shared: bool = False
-    ) -> tuple[Signal, Note]:
-        """The signal behind samples `x`, and a note on how it was found."""
-        sigma = float(np.max(noise_level(self.t, x))) if self.method == "auto" else 0.0
-        step = float(np.median(np.diff(self.t)))
-        noisy = SECOND_DERIVATIVE_GAIN * sigma / step**2 > CLEAN_BELOW and len(self.t) >= _FEWEST["smooth"]
-        if self.method == "smooth" or noisy:
-            # Loaded here: its sparse algebra costs half a second that clean samples need not wait for.
-            from kreisel.maths.smoothing import smoothing_spline
+    @cached_property
+    def _attitude(self) -> Behind:
+        # Sign-continuous quaternions have no wraps, and a penalty on them is the same in all frames.
+        known = known_rows(self.orientation)
+        return self._behind("attitudes", self.orientation[known], self.attitude_noise)
 
-            smooth = smoothing_spline(self.t, x, rate=rate, shared=shared)
-            # A unit quaternion carries half the rotation angle.
-            level = _readable(float(np.max(smooth.sigma)), unit)
-            helped = " with the velocities given" if rate is not None else ""
-            return smooth, Note("method", f"{what} smoothed{helped}: noise of {level} found")
-        return interpolating_spline(self.t, x), Note("method", f"{what} interpolated: no noise to speak of")
+    def _behind(self, what: str, x: Array, noise: Array | None, rate: Array | None = None) -> Behind:
+        t = self._stamps[what]
+        return behind(Columns(what, t, x, self.method, noise, rate), gaps(what, t, self.max_gap))
 
     def _gradient_motion(self, times: Array) -> Motion:
         from kreisel.maths.gradient import gradient, gradient_rotation
@@ -202,9 +291,30 @@ def example() -> SampledTrajectory:
 
 
 def _quaternions(orientation: Any, order: str | None) -> Array:
-    """Sign-continuous q_NB_wxyz (n, 4) from any of the descriptions of attitude a user may hold."""
+    """q_NB_wxyz (n, 4) from any of the descriptions of attitude a user may hold.
+
+    Sign-continuous from row to row; NaN where a row has NaN.
+    """
     if hasattr(orientation, "as_matrix"):
         orientation = orientation.as_matrix()
+    if np.ndim(orientation) < 2 or not len(orientation):
+        return _complete_quaternions(orientation, order)
+    rows = _measured("orientation", as_array("orientation", orientation))
+    known = known_rows(rows)
+    if known.all():
+        return _complete_quaternions(orientation, order)
+    q = np.full((len(rows), 4), np.nan)
+    q[known] = _complete_quaternions(rows[known], order)
+    return q
+
+
+def _measured(name: str, x: Array) -> Array:
+    """`x` itself, or a ValueError for a number that is infinite; NaN is a missing sample."""
+    finite(name, np.where(np.isnan(x), 0.0, x))
+    return x
+
+
+def _complete_quaternions(orientation: Any, order: str | None) -> Array:
     shape = np.shape(orientation)
     if shape[1:] == (3, 3):
         R = rotations("orientation", shaped("orientation", orientation, ("n", 3, 3)))
@@ -251,9 +361,3 @@ def _tangents(v: Array, orientation: str) -> Array:
     v = v[moving[np.maximum(last, 0)]]
     phi_y = -np.arctan2(v[:, 2], np.hypot(v[:, 0], v[:, 1]))
     return matrix_from_euler(np.stack([np.zeros(len(v)), phi_y, np.arctan2(v[:, 1], v[:, 0])], axis=1))
-
-
-def _readable(level: float, unit: str) -> str:
-    if unit == "m":
-        return f"{level * 1e3:.2g} mm"
-    return f"{np.rad2deg(2.0 * level):.2g} deg"

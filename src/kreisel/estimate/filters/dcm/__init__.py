@@ -17,10 +17,12 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from kreisel.data.checks import choice, finite, rotations, shaped
-from kreisel.estimate.filters.dcm import lanes, published, step
+from kreisel.data.checks import choice, rotations, shaped
+from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters.dcm import layout as at
+from kreisel.estimate.filters.dcm import published, published_lanes, step, step_lanes
 from kreisel.estimate.filters.dcm.covariance import GRAVITY
+from kreisel.estimate.filters.dcm.lanes import LANES
 from kreisel.maths.vectors import Array
 
 Mode = Literal["auto", "9", "6", "gyro"]
@@ -30,6 +32,9 @@ _FIRST_TILT, _FIRST_HEADING = math.radians(20.0), math.radians(60.0)
 
 # The same for an attitude that was given.
 _GIVEN_TILT, _GIVEN_HEADING = math.radians(2.0), math.radians(5.0)
+
+# s: rows are made orthonormal once in a window, and ten thousand roundings between are 1e-12 at worst.
+_LONGEST_WINDOW = 10.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +67,7 @@ class DcmFilter:
 
     The two times are those of the corrections once bias and scale are settled: a second-order Butterworth filter
     for the inclination, a first-order one for the heading. Both are faster at the start.
-    Raises ValueError for an unknown mode and for a number that is negative or not finite.
+    Raises ValueError for an unknown mode, a window above 10 s and a number that is negative or not finite.
     """
 
     mode: Mode = (
@@ -99,6 +104,8 @@ class DcmFilter:
                 raise ValueError(f"{field.name} must be finite; got {value}.")
             if isinstance(value, float | int) and field.name != "declination" and value < 0.0:
                 raise ValueError(f"{field.name} must not be negative; got {value}.")
+        if self.window > _LONGEST_WINDOW:
+            raise ValueError(f"window must be at most {_LONGEST_WINDOW:g} s; got {self.window}.")
 
     @classmethod
     def as_published(
@@ -116,15 +123,20 @@ class DcmFilter:
         """Whether a recording without a magnetometer is refused."""
         return self.mode == "9"
 
+    @property
+    def learns_bias(self) -> bool:
+        """Whether gyro_bias can be anything but zero."""
+        return self.published is None
+
     def start(self, R_NS: Array | None = None) -> Array:
         """A fresh state, whose attitude is R_NS (3, 3) or waits for the first samples."""
         state = np.zeros(at.PUBLISHED_STATE if self.published else at.STATE)
-        state[at.R_NS : at.R_NS + 9] = np.eye(3).ravel()
+        state[at.R_NS] = state[at.R_NS + 4] = state[at.R_NS + 8] = 1.0
         state[at.CALM] = state[at.FLAGS] = at.HELD
         if R_NS is not None:
-            state[at.R_NS : at.R_NS + 9] = rotations(
-                "R_NS", finite("R_NS", shaped("R_NS", R_NS, (3, 3)))
-            ).ravel()
+            left, _, right = np.linalg.svd(rotations("R_NS", shaped("R_NS", R_NS, (3, 3))))
+            # What is a rotation to six digits only stands for the nearest one.
+            state[at.R_NS : at.R_NS + 9] = (left @ right).ravel()
             state[at.CALM] = state[at.FLAGS] = 0.0
             state[at.LEVELLED] = state[at.NORTHED] = 1.0
         if not self.published:
@@ -199,16 +211,15 @@ class DcmFilter:
         gyro: Array,
         accel: Array,
         mag: Array,
-        first: int,
-        answers: Array,
+        out: Columns,
     ) -> None:
-        """The same through the samples from `first` on, as many as answers (m, at.ANSWER) has rows."""
-        (published if self.published else step).batch(state, parameters, t, gyro, accel, mag, first, answers)
+        """The same through all samples, t (n,) s and the others (n, 3), the first with dt = 0; fills `out`."""
+        (published if self.published else step).batch(state, parameters, t, gyro, accel, mag, out)
 
     @property
     def lanes(self) -> int:
-        """How many recordings `batch_of_lanes` takes abreast: the published step's, without two of its cures."""
-        return lanes.LANES if self.published and not (self.published.exact or self.published.rate_hz) else 1
+        """How many recordings `batch_of_lanes` takes abreast: one by one with two of the published step's cures."""
+        return 1 if self.published and (self.published.exact or self.published.rate_hz) else LANES
 
     def batch_of_lanes(
         self,
@@ -218,11 +229,12 @@ class DcmFilter:
         gyro: Array,
         accel: Array,
         mag: Array,
-        first: int,
-        answers: Array,
+        out: Columns,
     ) -> None:
-        """`batch` for so many states (lanes, STATE) with the same bits; all else has the lanes in front as well."""
-        lanes.batch_of_lanes(states, parameters, t, gyro, accel, mag, first, answers)
+        """`batch` for so many states (lanes, STATE) with the same bits; all but t (n,) has the lanes in front."""
+        (published_lanes if self.published else step_lanes).batch_of_lanes(
+            states, parameters, t, gyro, accel, mag, out
+        )
 
 
 FILTER = DcmFilter

@@ -7,6 +7,7 @@ and its accelerometer shows gravity, so that K = +f / abs(f) for a specific forc
 
 import math
 
+from kreisel.estimate.answers import Columns, answer, repeat, tell
 from kreisel.estimate.filters.dcm import layout as at
 from kreisel.estimate.filters.dcm.start import bridge, is_rate, start
 from kreisel.maths.kernels import inlined, kernel
@@ -47,20 +48,33 @@ def weights_of(params: Array, dt: float) -> Vector:
 
 
 @inlined
-def _dtheta(rows: Rows, turn: Vector, accel: Vector, mag: Vector, weights: Vector, setting: Vector) -> Vector:
+def asked(
+    rows: Rows,
+    askew: float,
+    turn: Vector,
+    accel: Vector,
+    mag: Vector,
+    weights: Vector,
+    setting: Vector,
+    near: bool = False,
+) -> Vector:
     """The weighted mean of the rotations that the three sensors ask for; `turn` is the gyro's.
 
+    askew : east . north; up is their product, so that up . up = 1 - askew^2. near : its square is less than 1e-15.
     setting : 1 where weights count only around the axes that a sensor observes; cosine and sine of declination.
     The horizontal field is h = m - (up . m) up, and both its norm and north x h are written with up . m, as
     late as they can be: each step waits for the one before, so that its longest chain of operations is its time.
     """
     east, north, up = rows
-    a2, m2, u2 = dot(accel, accel), dot(mag, mag), dot(up, up)
+    a2, m2 = dot(accel, accel), dot(mag, mag)
     has_accel, has_mag = 1e-60 < a2 < 1e60, 1e-60 < m2 < 1e60
     accel, a2 = (accel, a2) if has_accel else (NONE, 1.0)
     mag, m2 = (mag, m2) if has_mag else (NONE, 1.0)
     rise = dot(up, mag)
-    h2 = m2 - rise * rise * (2.0 - u2)
+    h2 = m2 - rise * rise
+    if not near and askew * askew > 1e-15:
+        level = added(mag, -rise, up)
+        h2 = dot(level, level)
     has_mag = has_mag and h2 > _STEEP2 * m2
     w_g, w_a, w_m = weights[0], weights[1] if has_accel else 0.0, weights[2]
     # The accelerometer sees rotations across `up`, a magnetometer made horizontal those around it; the
@@ -73,18 +87,24 @@ def _dtheta(rows: Rows, turn: Vector, accel: Vector, mag: Vector, weights: Vecto
         both = with_both if has_accel else with_mag
         across = around = both if has_mag else across
     # Magnetic north, where the answer has it.
-    north = added(scaled(setting[1], north), setting[2], east)
-    dtheta = added(scaled(w_g * across, turn), w_g * (around - across) * dot(turn, up), up)
+    if setting[2] != 0.0:
+        north = added(scaled(setting[1], north), setting[2], east)
+    dtheta = scaled(w_g * across, turn)
+    if setting[0] != 0.0:
+        dtheta = added(dtheta, w_g * (around - across) * dot(turn, up), up)
     # K x (A - K) is K x A.
-    dtheta = added(dtheta, w_a * across * (math.sqrt(a2) * (1.0 / a2)), cross(up, accel))
+    dtheta = added(dtheta, w_a * across / a2 * math.sqrt(a2), cross(up, accel))
     horizontal = added(cross(north, mag), -rise, cross(north, up))
     # The root of what is not positive is not used.
-    return added(dtheta, w_m * around * (math.sqrt(h2) * (1.0 / h2)) if has_mag else 0.0, horizontal)
+    return added(dtheta, w_m * around / h2 * math.sqrt(h2) if has_mag else 0.0, horizontal)
 
 
 @inlined
-def _moved(rows: Rows, dtheta: Vector) -> Rows:
-    """The axes moved by dtheta x r, corrected by half of what they lack to a right angle and made unit vectors."""
+def moved(rows: Rows, askew: float, dtheta: Vector, near: bool = False) -> Rows:
+    """The axes moved by dtheta x r, corrected by half of what they lack to a right angle and made unit vectors.
+
+    near : abs(dtheta) is below 0.009.
+    """
     # East is -J: what moves or corrects J does the same to it.
     east, north, _ = rows
     d_east, d_north = cross(dtheta, east), cross(dtheta, north)
@@ -92,31 +112,38 @@ def _moved(rows: Rows, dtheta: Vector) -> Rows:
     # east . d_north = -north . d_east: they need not wait for the vectors.
     ee = (dot(east, east) - 1.0) + dot(d_east, d_east)
     nn = (dot(north, north) - 1.0) + dot(d_north, d_north)
-    en = dot(east, north) + dot(d_east, d_north)
-    return _orthonormal(added(east, 1.0, d_east), added(north, 1.0, d_north), ee, nn, en)
+    en = askew + dot(d_east, d_north)
+    return _orthonormal(added(east, 1.0, d_east), added(north, 1.0, d_north), ee, nn, en, near)
 
 
 @inlined
-def _orthonormal(east: Vector, north: Vector, ee: float, nn: float, en: float) -> Rows:
+def _orthonormal(east: Vector, north: Vector, ee: float, nn: float, en: float, near: bool = False) -> Rows:
     """Both corrected by half of what they lack to a right angle, made unit vectors, and up = east x north.
 
     ee, nn : their squared norms less one; en : their product.
     """
     half = 0.5 * en
-    k_e = inverse_root_near_one(ee - (en * en) * (0.75 - 0.25 * nn))
-    k_n = inverse_root_near_one(nn - (en * en) * (0.75 - 0.25 * ee))
+    k_e = inverse_root_near_one(ee - (en * en) * (0.75 - 0.25 * nn), near)
+    k_n = inverse_root_near_one(nn - (en * en) * (0.75 - 0.25 * ee), near)
     e, n = added(east, -half, north), added(north, -half, east)
     return scaled(k_e, e), scaled(k_n, n), scaled(k_e * k_n, cross(e, n))
 
 
 @inlined
 def advanced(
-    rows: Rows, turn: Vector, accel: Vector, mag: Vector, weights: Vector, setting: Vector, exact: bool
+    rows: Rows,
+    askew: float,
+    turn: Vector,
+    accel: Vector,
+    mag: Vector,
+    weights: Vector,
+    setting: Vector,
+    exact: bool,
 ) -> Rows:
-    """The axes after a step with these samples."""
-    dtheta = _dtheta(rows, turn, accel, mag, weights, setting)
+    """The axes after a step with these samples; `askew` is east . north before."""
+    dtheta = asked(rows, askew, turn, accel, mag, weights, setting)
     if not exact:
-        return _moved(rows, dtheta)
+        return moved(rows, askew, dtheta)
     east, north = rotated(dtheta, rows[0]), rotated(dtheta, rows[1])
     return _orthonormal(east, north, dot(east, east) - 1.0, dot(north, north) - 1.0, dot(east, north))
 
@@ -146,7 +173,8 @@ def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, 
         gyro = bridge(state, params, dt)
     rows = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
     weights, setting = weights_of(params, dt), setting_of(params)
-    rows = advanced(rows, scaled(-dt, gyro), accel, mag, weights, setting, params[at.EXACT] == 1.0)
+    askew = dot(rows[0], rows[1])
+    rows = advanced(rows, askew, scaled(-dt, gyro), accel, mag, weights, setting, params[at.EXACT] == 1.0)
     store(state, at.R_NS, rows[0])
     store(state, at.R_NS + 3, rows[1])
     store(state, at.R_NS + 6, rows[2])
@@ -159,64 +187,56 @@ def update(state: Array, params: Array, sample: Array, dt: float) -> None:
 
 
 @kernel
-def batch(
-    state: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, first: int, answers: Array
-) -> None:
-    """The steps from sample `first` on; answers (m, at.ANSWER) are the head of the state after each."""
+def batch(state: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, out: Columns) -> None:
+    """The steps through all samples, and what the state says after each."""
     i = 0
-    while i < answers.shape[0]:
-        k = first + i
-        g = gyro[k, 0], gyro[k, 1], gyro[k, 2]
-        a = accel[k, 0], accel[k, 1], accel[k, 2]
-        m = mag[k, 0], mag[k, 1], mag[k, 2]
-        step(state, params, g, a, m, t[k] - t[max(k - 1, 0)])
-        for j in range(at.ANSWER):
-            answers[i, j] = state[j]
+    while i < t.shape[0]:
+        g = gyro[i, 0], gyro[i, 1], gyro[i, 2]
+        a = accel[i, 0], accel[i, 1], accel[i, 2]
+        m = mag[i, 0], mag[i, 1], mag[i, 2]
+        step(state, params, g, a, m, t[i] - t[max(i - 1, 0)])
+        tell(state, out, i)
         i += 1
         if not waits(state, params) and params[at.RATE_HZ] == 0.0:
-            i = _ordinary(state, params, t, gyro, accel, mag, first, answers, i)
+            i = _ordinary(state, params, t, gyro, accel, mag, out, i)
 
 
 @kernel
 def _ordinary(
-    state: Array,
-    params: Array,
-    t: Array,
-    gyro: Array,
-    accel: Array,
-    mag: Array,
-    first: int,
-    answers: Array,
-    i: int,
+    state: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, out: Columns, first: int
 ) -> int:
-    """The steps from answer i on, up to the first whose gyro sample is missing or whose time stands still.
+    """The steps from sample `first` on, up to the first whose gyro sample is missing or whose time stands still.
 
-    The axes stay in registers, and no array is passed on: both would cost more than a third of the time.
+    The axes stay in registers, no array is passed on, and indices begin at 0, where none can be taken for one that
+    counts from the end: each would cost a tenth of the time and more.
     """
     exact, setting, weights = params[at.EXACT] == 1.0, setting_of(params), weights_of(params, 0.0)
-    east, north, up = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
-    calm, heading, g = state[at.CALM], state[at.HEADING], NONE
-    begin, end = i, answers.shape[0]
-    while i < end:
-        k = first + i
-        dt = t[k] - t[k - 1]
-        new = gyro[k, 0], gyro[k, 1], gyro[k, 2]
+    rows = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
+    before, t, gyro, accel, mag, R = (
+        t[first - 1 :],
+        t[first:],
+        gyro[first:],
+        accel[first:],
+        mag[first:],
+        out.R_NS[first:],
+    )
+    g, askew, done = NONE, dot(rows[0], rows[1]), 0
+    for i in range(t.shape[0]):
+        dt = t[i] - before[i]
+        new = gyro[i, 0], gyro[i, 1], gyro[i, 2]
         if not is_rate(new) or not dt > 0.0:
             break
-        g = new
-        a = accel[k, 0], accel[k, 1], accel[k, 2]
-        m = mag[k, 0], mag[k, 1], mag[k, 2]
-        east, north, up = advanced((east, north, up), scaled(-dt, g), a, m, weights, setting, exact)
-        answers[i, 0], answers[i, 1], answers[i, 2] = east
-        answers[i, 3], answers[i, 4], answers[i, 5] = north
-        answers[i, 6], answers[i, 7], answers[i, 8] = up
-        answers[i, 9] = answers[i, 10] = answers[i, 11] = 0.0
-        answers[i, at.FLAGS], answers[i, at.HEADING] = calm, heading
-        i += 1
-    if i > begin:
-        store(state, at.R_NS, east)
-        store(state, at.R_NS + 3, north)
-        store(state, at.R_NS + 6, up)
+        g, done = new, i + 1
+        a = accel[i, 0], accel[i, 1], accel[i, 2]
+        m = mag[i, 0], mag[i, 1], mag[i, 2]
+        rows = advanced(rows, askew, scaled(-dt, g), a, m, weights, setting, exact)
+        askew = dot(rows[0], rows[1])
+        answer(R, i, rows, askew)
+    if done > 0:
+        store(state, at.R_NS, rows[0])
+        store(state, at.R_NS + 3, rows[1])
+        store(state, at.R_NS + 6, rows[2])
         store(state, at.RATE, g)
-        state[at.FLAGS], state[at.GAP] = calm, 0.0
-    return i
+        state[at.FLAGS], state[at.GAP] = state[at.CALM], 0.0
+        repeat(state, out, first, first + done)
+    return first + done

@@ -5,12 +5,14 @@ Each sample turns R_NS by Exp and adds to the sums of a short window, which corr
 
 import math
 
+from kreisel.estimate.answers import Columns, tell
 from kreisel.estimate.filters.dcm import layout as at
 from kreisel.estimate.filters.dcm.start import bridge, is_rate, start
 from kreisel.estimate.filters.dcm.window import close_part
 from kreisel.maths.kernels import inlined, kernel
 from kreisel.maths.vectors import (
     Array,
+    Rows,
     Vector,
     added,
     combined,
@@ -23,14 +25,14 @@ from kreisel.maths.vectors import (
 )
 
 # m/s^2: 50 g; what is beyond is a blow that no average survives, or a fault.
-_NO_FORCE = 500.0
+NO_FORCE = 500.0
 
 
 @inlined
-def _turned(rows: tuple[Vector, Vector, Vector], theta: Vector) -> tuple[Vector, Vector, Vector]:
-    """Rows of R Exp(theta), given those of R."""
+def turned(rows: Rows, theta: Vector, near: bool = False) -> Rows:
+    """Rows of R Exp(theta), given those of R. near : abs(theta) is below 0.1."""
     x, y, z = theta
-    s, c = exp_factors(dot(theta, theta))
+    s, c = exp_factors(dot(theta, theta), near)
     e0 = 1.0 - c * (y * y + z * z), c * x * y - s * z, c * x * z + s * y
     e1 = c * x * y + s * z, 1.0 - c * (x * x + z * z), c * y * z - s * x
     e2 = c * x * z - s * y, c * y * z + s * x, 1.0 - c * (x * x + y * y)
@@ -38,7 +40,14 @@ def _turned(rows: tuple[Vector, Vector, Vector], theta: Vector) -> tuple[Vector,
 
 
 @inlined
-def _step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, dt: float) -> None:
+def corrected(turn: Vector, scale: Rows, bias: Vector, dt: float) -> Vector:
+    """The rotation vector of a step whose gyro reads `turn`; the columns of `scale` are what it reads too much."""
+    false = combined(turn, scale[0], scale[1], scale[2])
+    return added(added(turn, -1.0, false), -dt, bias)
+
+
+@inlined
+def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, dt: float) -> None:
     """Move `state` over the `dt` seconds that end with these samples."""
     waits = state[at.LEVELLED] == 0.0 or state[at.NORTHED] < params[at.START_NORTH]
     if (waits and start(state, params, accel, mag)) or not dt > 0.0:
@@ -54,10 +63,10 @@ def _step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector,
         state[at.MISSING] += dt
     turn = scaled(dt, gyro)
     rows = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
-    false = combined(turn, load(state, at.SCALE), load(state, at.SCALE + 3), load(state, at.SCALE + 6))
-    theta = added(added(turn, -1.0, false), -dt, load(state, at.GYRO_BIAS))
+    scale = load(state, at.SCALE), load(state, at.SCALE + 3), load(state, at.SCALE + 6)
+    theta = corrected(turn, scale, load(state, at.GYRO_BIAS), dt)
     theta = added(theta, params[at.CONING] * dt * dt, cross(latest, gyro))
-    east, north, up = _turned(rows, theta)
+    east, north, up = turned(rows, theta)
     store(state, at.R_NS, east)
     store(state, at.R_NS + 3, north)
     store(state, at.R_NS + 6, up)
@@ -67,7 +76,7 @@ def _step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector,
     state[at.GYRO_SQUARES] += dt * w2
     a2 = dot(accel, accel)
     # A dead sensor's zero and NaN fail here too.
-    if 0.0 < a2 < _NO_FORCE**2:
+    if 0.0 < a2 < NO_FORCE**2:
         state[at.FORCE_SUM] += dt * dot(east, accel)
         state[at.FORCE_SUM + 1] += dt * dot(north, accel)
         store(state, at.ACCEL_SUM, added(load(state, at.ACCEL_SUM), dt, accel))
@@ -88,19 +97,16 @@ def _step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector,
 @kernel
 def update(state: Array, params: Array, sample: Array, dt: float) -> None:
     """One step, `sample` (9,) being gyro, accel and mag."""
-    _step(state, params, load(sample, 0), load(sample, 3), load(sample, 6), dt)
+    step(state, params, load(sample, 0), load(sample, 3), load(sample, 6), dt)
 
 
 @kernel
-def batch(
-    state: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, first: int, answers: Array
-) -> None:
-    """The steps from sample `first` on; answers (m, at.ANSWER) are the head of the state after each."""
-    for j in range(answers.shape[0]):
-        k = first + j
-        g = gyro[k, 0], gyro[k, 1], gyro[k, 2]
-        a = accel[k, 0], accel[k, 1], accel[k, 2]
-        m = mag[k, 0], mag[k, 1], mag[k, 2]
-        _step(state, params, g, a, m, t[k] - t[max(k - 1, 0)])
-        for i in range(at.ANSWER):
-            answers[j, i] = state[i]
+def batch(state: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, out: Columns) -> None:
+    """The steps through all samples, and what the state says after each."""
+    for i in range(t.shape[0]):
+        g = gyro[i, 0], gyro[i, 1], gyro[i, 2]
+        a = accel[i, 0], accel[i, 1], accel[i, 2]
+        m = mag[i, 0], mag[i, 1], mag[i, 2]
+        step(state, params, g, a, m, t[i] - t[max(i - 1, 0)])
+        tell(state, out, i)
+        out.gyro_bias[i, 0], out.gyro_bias[i, 1], out.gyro_bias[i, 2] = load(state, at.GYRO_BIAS)

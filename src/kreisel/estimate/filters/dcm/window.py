@@ -12,7 +12,7 @@ from kreisel.estimate.filters.dcm.covariance import propagate
 from kreisel.estimate.filters.dcm.field import observe_field
 from kreisel.estimate.filters.dcm.rest import watch_rest
 from kreisel.estimate.filters.dcm.travel import forget_travel, observe_velocity
-from kreisel.maths.kernels import kernel
+from kreisel.maths.kernels import inlined, kernel
 from kreisel.maths.vectors import (
     Array,
     Vector,
@@ -55,17 +55,29 @@ def close_part(state: Array, params: Array) -> None:
             state[row + 9 + j] -= r * turn[2]
     state[at.SUMMED] = state[at.LENGTH]
     store(state, at.SUMMED + 1, load(state, at.GYRO_SUM))
-    if state[at.LENGTH] >= params[at.WINDOW] - _ROUNDING:
-        _close_window(state, params)
-    next_part = state[at.LENGTH] + params[at.WINDOW] / _PARTS
-    state[at.NEXT_PART] = min(next_part, params[at.WINDOW]) - _ROUNDING
+    if is_over(state[at.LENGTH], params):
+        close_window(state, params)
+    state[at.NEXT_PART] = next_part(state[at.LENGTH], params)
+
+
+@inlined
+def is_over(length: float, params: Array) -> bool:
+    """Whether a window of this length is one."""
+    return length >= params[at.WINDOW] - _ROUNDING
+
+
+@inlined
+def next_part(length: float, params: Array) -> float:
+    """s into the window, when the part is due that begins at this length."""
+    return min(length + params[at.WINDOW] / _PARTS, params[at.WINDOW]) - _ROUNDING
 
 
 @kernel
-def _close_window(state: Array, params: Array) -> None:
+def close_window(state: Array, params: Array) -> None:
+    """Correct what the sums of a window, its last part among them, tell, and begin another."""
     if state[at.LEVELLED] == 1.0:
         state[at.CALM] = _correct(state, params) if params[at.DOF] > 0.0 else 0.0
-        _turn_world(state, (-state[at.CORRECTION], -state[at.CORRECTION + 1], -state[at.CORRECTION + 2]))
+    _turn_world(state, (-state[at.CORRECTION], -state[at.CORRECTION + 1], -state[at.CORRECTION + 2]))
     for i in range(at.CORRECTION, at.CORRECTION + at.ERRORS):
         state[i] = 0.0
     for i in range(at.SUMS, at.SUMS_END):

@@ -1,0 +1,208 @@
+"""Turns the arguments of `kreisel simulate` into a trajectory: poses in a file, waypoints, or a motion profile."""
+
+from __future__ import annotations
+
+import re
+from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from kreisel.cli.inputs import read_input
+from kreisel.data.checks import choice
+from kreisel.data.frames import to_enu_flu
+from kreisel.data.motion import Motion
+from kreisel.data.trajectory import Poses, even_times
+from kreisel.data.waypoint import Waypoint
+from kreisel.files.units import scale
+
+KINDS = ("poses", "waypoints", "profile")
+
+# Option -> the kinds it applies to.
+_OPTIONS = {
+    "max_speed": ("waypoints",),
+    "max_acceleration": ("waypoints",),
+    "max_jerk": ("waypoints",),
+    "minimum": ("waypoints",),
+    "closed": ("waypoints",),
+    "banked": ("waypoints", "profile"),
+    "ramp": ("profile",),
+    "heading": ("profile",),
+    **dict.fromkeys(
+        ("method", "noise", "max_gap", "from_format", "kind", "column", "input_rate", "times"), ("poses",)
+    ),
+}
+
+
+class Course(NamedTuple):
+    """What a file gave."""
+
+    motion: Motion
+    told: str  # what it holds, for the summary
+
+
+def add_course_arguments(parser: ArgumentParser) -> None:
+    """--as, and what shapes a path that is no list of poses."""
+    parser.add_argument(
+        "--as",
+        dest="kind_of_path",
+        default="poses",
+        metavar="KIND",
+        help="what the rows of the input are: poses (default), waypoints to pass smoothly, or a motion profile "
+        "(drive, turn, climb, stop, rest; also gnss-ins-sim's motion definitions); docs/motion.md",
+    )
+    group = parser.add_argument_group("noisy poses")
+    group.add_argument(
+        "--noise",
+        metavar="LENGTH[,ANGLE]",
+        help="noise of the poses where it is known, such as 0.1mm or 0.1mm,0.01deg; x/y/z for one per axis, such as "
+        "0.1/0.1/0.3mm (default: found from the poses)",
+    )
+    group.add_argument(
+        "--max-gap",
+        type=float,
+        metavar="S",
+        help="longest time without poses that is bridged (default 0.25 s)",
+    )
+    group = parser.add_argument_group("waypoints and profiles")
+    group.add_argument("--max-speed", type=float, metavar="M/S", help="limit on the way along waypoints")
+    group.add_argument("--max-acceleration", type=float, metavar="M/S^2", help="the same for acceleration")
+    group.add_argument("--max-jerk", type=float, metavar="M/S^3", help="the same for jerk")
+    group.add_argument(
+        "--minimum", help="jerk (default) or snap: what the path through waypoints has least of"
+    )
+    group.add_argument(
+        "--closed", action="store_true", default=None, help="from the last waypoint back to the first"
+    )
+    group.add_argument(
+        "--banked", action="store_true", default=None, help="roll into turns, as aeroplanes do"
+    )
+    group.add_argument(
+        "--ramp", type=float, metavar="S", help="time in which turns of a profile come on (default 1)"
+    )
+    group.add_argument(
+        "--heading", type=float, metavar="DEG", help="at the begin of a profile: 0 east (default), 90 north"
+    )
+
+
+def read_course(args: Namespace) -> Course:
+    """The trajectory that the arguments name. ValueError for options that do not belong to its kind."""
+    kind = choice("--as", args.kind_of_path, KINDS)
+    given = {name: getattr(args, name) for name in _OPTIONS if getattr(args, name) is not None}
+    for name in given:
+        if kind not in _OPTIONS[name]:
+            option = name.removesuffix("_format").replace("_", "-")
+            raise ValueError(
+                f"--{option} does not apply to {kind}. Leave it out, or say --as {_OPTIONS[name][0]}."
+            )
+    if kind == "poses":
+        return _poses(args)
+    if args.rate is None:
+        raise ValueError(f"--as {kind} needs a sampling rate: give --rate HZ.")
+    trajectory, told = (_waypoints if kind == "waypoints" else _profile)(args, given)
+    first, last = trajectory.span if np.isfinite(trajectory.span).all() else (0.0, trajectory.lap)
+    return Course(trajectory.sample(even_times(first, last, args.rate)), f"{told} over {last - first:.4g} s")
+
+
+def _poses(args: Namespace) -> Course:
+    from kreisel.simulate.trajectories.sampled import SampledTrajectory
+
+    try:
+        poses = read_input(args, kind="poses")
+    except ValueError as error:
+        raise ValueError(f"{error}{_meant(args.input)}") from None
+    assert isinstance(poses, Poses)  # the kind asked for
+    smoothing = parse_noise(args.noise)
+    if args.max_gap is not None:
+        smoothing["max_gap"] = args.max_gap
+    trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method or "auto", **smoothing)
+    first, last = trajectory.span
+    motion = trajectory.sample(None if args.rate is None else even_times(first, last, args.rate))
+    return Course(motion, f"{len(poses)} poses over {last - first:.4g} s")
+
+
+def parse_noise(text: str | None) -> dict[str, Any]:
+    """Options of a SampledTrajectory that "LENGTH[,ANGLE]" stands for, each "0.1mm" or "0.1/0.1/0.3mm"."""
+    names = (("position_noise", "length"), ("attitude_noise", "angle"))
+    parts = [] if text is None else text.split(",")
+    if len(parts) > 2:
+        raise ValueError(f"--noise takes LENGTH[,ANGLE], such as 0.1mm,0.01deg; got {text!r}.")
+    return {name: _level(part, quantity) for part, (name, quantity) in zip(parts, names, strict=False)}
+
+
+def _level(text: str, quantity: str) -> list[float]:
+    """The numbers before a unit, in ours."""
+    match = re.fullmatch(r"\s*([-+0-9.eE/]*[0-9.])\s*([a-zA-Z]+)\s*", text)
+    try:
+        assert match is not None
+        numbers = np.array([float(number) for number in match[1].split("/")])
+    except (AssertionError, ValueError):
+        raise ValueError(
+            f"--noise takes numbers with their unit, such as 0.1mm,0.01deg; got {text!r}."
+        ) from None
+    if len(numbers) not in (1, 3):
+        raise ValueError(f"--noise takes one number or three, x/y/z; got {text!r}.")
+    scaled = scale(match[2], quantity)(numbers).tolist()
+    return scaled * 3 if len(scaled) == 1 else scaled
+
+
+def _meant(path: str) -> str:
+    """What a file that holds no poses looks like."""
+    from kreisel.files.named_rows import header_of
+
+    try:
+        header = header_of(Path(path))
+    except (ValueError, OSError):
+        return ""
+    if header[0] in ("do", "ini lat"):
+        return " It looks like a motion profile: say --as profile."
+    waypoints = {"latitude", "lat", "stop", "compass", "heading"} & {*header}
+    return " It looks like waypoints: say --as waypoints." if waypoints else ""
+
+
+def _waypoints(args: Namespace, given: dict[str, Any]) -> tuple[Any, str]:
+    from kreisel.files.waypoints import read_waypoints
+    from kreisel.simulate.trajectories.waypoints import waypoints
+
+    points = in_our_axes(read_waypoints(args.input), args.frame)
+    return waypoints(points, orientation=args.orientation, **given), f"{len(points)} waypoints"
+
+
+def _profile(args: Namespace, given: dict[str, Any]) -> tuple[Any, str]:
+    from kreisel.data.motion_definition import MotionDefinition
+    from kreisel.files.profiles import read_profile
+    from kreisel.simulate.trajectories.gnss_ins_sim import CommandedMotion
+    from kreisel.simulate.trajectories.profile import profile
+
+    found = read_profile(args.input)
+    if isinstance(found, MotionDefinition):
+        if given or args.orientation:
+            name = next(iter(given), "orientation").replace("_", "-")
+            raise ValueError(
+                f"{args.input} is a motion definition of gnss-ins-sim: --{name} does not apply. Leave it out."
+            )
+        return CommandedMotion(found), f"{len(found.commands)} commands"
+    if "heading" in given:
+        given["heading_deg"] = given.pop("heading")
+    return profile(found, orientation=args.orientation or "tangent", **given), f"{len(found)} segments"
+
+
+def in_our_axes(points: Sequence[Waypoint], world: str) -> list[Waypoint]:
+    """Waypoints of another world with their positions and headings in ours; latitudes stay as they are."""
+    from kreisel.maths.rotations import euler_from_matrix, matrix_from_euler
+
+    out = []
+    for point in points:
+        phi_z = np.deg2rad([0.0, 0.0, point.heading_deg or 0.0])
+        place = np.array([point.position or (0.0, 0.0, 0.0)])
+        turned = to_enu_flu(Poses(np.zeros(1), place, matrix_from_euler(phi_z)[None]), world)
+        assert turned.R_NB is not None  # it went in
+        heading = (
+            None if point.heading_deg is None else float(np.rad2deg(euler_from_matrix(turned.R_NB)[0, 2]))
+        )
+        x, y, z = turned.p_NB[0].tolist()
+        out.append(replace(point, position=point.position and (x, y, z), heading_deg=heading))
+    return out

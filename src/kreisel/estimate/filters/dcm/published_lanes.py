@@ -1,0 +1,136 @@
+"""Turns many recordings at once into attitude by the published step: sixteen abreast, one in each lane of vectors.
+
+A block of steps in which any lane has something out of the ordinary (a gap of the gyro, no time, no attitude yet) is
+taken lane by lane.
+"""
+
+import numpy as np
+
+from kreisel.estimate.answers import Columns, of_lane, tell
+from kreisel.estimate.filters.dcm import layout as at
+from kreisel.estimate.filters.dcm.lanes import AXES, BLOCK, LANES, READING, gather, scatter
+from kreisel.estimate.filters.dcm.published import asked, moved, setting_of, step, waits, weights_of
+from kreisel.maths.kernels import inlined, kernel, wide_vectors
+from kreisel.maths.vectors import Array, Vector, dot, nearest_rotation, scaled
+
+# A step of less than 0.009 rad, and axes that are askew by less than this, need no roots (see `moved`).
+_STEP2, _ASKEW = 0.8e-4, 1e-8
+
+
+@kernel
+def batch_of_lanes(
+    states: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, out: Columns
+) -> None:
+    """The steps through all samples of LANES recordings, and what the states say after each.
+
+    states (LANES, STATE); t (n,); gyro, accel, mag (LANES, n, 3).
+    """
+    wide_vectors()
+    axes, readings, answers = (
+        np.empty(2 * AXES * LANES),
+        np.empty(BLOCK * READING * LANES),
+        np.empty(BLOCK * AXES * LANES),
+    )
+    begun = False
+    # What ordinary steps say.
+    out.rest[:], out.disturbed[:], out.held[:] = False, False, False
+    for k in range(0, t.shape[0], BLOCK):
+        steps = min(BLOCK, t.shape[0] - k)
+        begun = begun or _begun(states, params)
+        if gather(readings, t, gyro, accel, mag, k, steps) and begun:
+            _load_axes(axes, states)
+            _advance(axes, readings, answers, params, t, k, steps)
+            scatter(answers, out.R_NS, k, steps)
+            _store_axes(axes, readings, states, steps)
+        else:
+            _lane_by_lane(states, params, t, gyro, accel, mag, k, steps, out)
+
+
+@kernel
+def _begun(states: Array, params: Array) -> bool:
+    begun = params[at.RATE_HZ] == 0.0 and params[at.EXACT] == 0.0
+    for lane in range(LANES):
+        begun = begun and not waits(states[lane], params)
+    return begun
+
+
+@kernel
+def _advance(s: Array, readings: Array, answers: Array, params: Array, t: Array, k: int, steps: int) -> None:
+    """Move the axes of all lanes through the steps, and put the rotations nearest to them into the answers."""
+    wide_vectors()
+    weights, setting = weights_of(params, 0.0), setting_of(params)
+    for i in range(steps):
+        dt = t[k + i] - t[k + i - 1]
+        r = readings[i * READING * LANES : (i + 1) * READING * LANES]
+        q = answers[i * AXES * LANES : (i + 1) * AXES * LANES]
+        if _move(s, r, q, weights, setting, dt, True) > 0:
+            _move(s, r, q, weights, setting, dt, False)
+        for j in range(AXES * LANES):
+            s[j] = s[AXES * LANES + j]
+
+
+@inlined
+def _move(s: Array, r: Array, q: Array, weights: Vector, setting: Vector, dt: float, near: bool) -> int:
+    """Move the axes at the head of `s` to behind it; how many lanes were not as near as `near` takes for granted."""
+    wide_vectors()
+    far = 0
+    for j in range(LANES):
+        east = s[j], s[LANES + j], s[2 * LANES + j]
+        north = s[3 * LANES + j], s[4 * LANES + j], s[5 * LANES + j]
+        up = s[6 * LANES + j], s[7 * LANES + j], s[8 * LANES + j]
+        gyro = r[j], r[LANES + j], r[2 * LANES + j]
+        accel = r[3 * LANES + j], r[4 * LANES + j], r[5 * LANES + j]
+        mag = r[6 * LANES + j], r[7 * LANES + j], r[8 * LANES + j]
+        askew = dot(east, north)
+        dtheta = asked((east, north, up), askew, scaled(-dt, gyro), accel, mag, weights, setting, near)
+        rows = moved((east, north, up), askew, dtheta, near)
+        s[9 * LANES + j], s[10 * LANES + j], s[11 * LANES + j] = rows[0]
+        s[12 * LANES + j], s[13 * LANES + j], s[14 * LANES + j] = rows[1]
+        s[15 * LANES + j], s[16 * LANES + j], s[17 * LANES + j] = rows[2]
+        now = dot(rows[0], rows[1])
+        far += not (dot(dtheta, dtheta) < _STEP2 and abs(askew) < _ASKEW and abs(now) < _ASKEW)
+        rows = nearest_rotation(rows, now, near)
+        q[j], q[LANES + j], q[2 * LANES + j] = rows[0]
+        q[3 * LANES + j], q[4 * LANES + j], q[5 * LANES + j] = rows[1]
+        q[6 * LANES + j], q[7 * LANES + j], q[8 * LANES + j] = rows[2]
+    return far
+
+
+@kernel
+def _load_axes(axes: Array, states: Array) -> None:
+    for lane in range(LANES):
+        for c in range(AXES):
+            axes[c * LANES + lane] = states[lane, at.R_NS + c]
+
+
+@kernel
+def _store_axes(axes: Array, readings: Array, states: Array, steps: int) -> None:
+    """Put the axes, and what the latest of these ordinary steps leaves behind, into the states."""
+    for lane in range(LANES):
+        for c in range(AXES):
+            states[lane, at.R_NS + c] = axes[c * LANES + lane]
+        for c in range(3):
+            states[lane, at.RATE + c] = readings[((steps - 1) * READING + c) * LANES + lane]
+        states[lane, at.FLAGS], states[lane, at.GAP] = states[lane, at.CALM], 0.0
+
+
+@kernel
+def _lane_by_lane(
+    states: Array,
+    params: Array,
+    t: Array,
+    gyro: Array,
+    accel: Array,
+    mag: Array,
+    k: int,
+    steps: int,
+    out: Columns,
+) -> None:
+    for lane in range(LANES):
+        state, mine = states[lane], of_lane(out, lane)
+        for i in range(k, k + steps):
+            g = gyro[lane, i, 0], gyro[lane, i, 1], gyro[lane, i, 2]
+            a = accel[lane, i, 0], accel[lane, i, 1], accel[lane, i, 2]
+            m = mag[lane, i, 0], mag[lane, i, 1], mag[lane, i, 2]
+            step(state, params, g, a, m, t[i] - t[max(i - 1, 0)])
+            tell(state, mine, i)
