@@ -69,12 +69,24 @@ def test_check_integrates_the_data_back(poses, tmp_path, capsys):
     imus = ["--imu", "nose:0.5,0,0", "--imu", "tail:-0.5,0,0"]
     assert main(["simulate", str(poses), "-o", out, "--no-pictures", "--check", *imus]) == 0
     text = capsys.readouterr().out
-    found = re.findall(r"(\w+) (rates|increments) +(\S+) m, (\S+) m/s, (\S+) deg", text)
+    found = re.findall(r"(\w+) ideal (rates|increments) +(\S+) m, (\S+) m/s, (\S+) deg", text)
     assert [(name, kind) for name, kind, *_ in found] == [
         (name, kind) for name in ("nose", "tail") for kind in ("rates", "increments")
     ]
     # A circle at constant rate, 50 samples a radian, back to what its spline knows of it over 4 s.
     assert all(float(p) < 1e-6 and float(v) < 1e-6 and float(turn) < 1e-6 for *_, p, v, turn in found)
+
+
+def test_check_tells_what_a_sensor_drifts_from_what_the_method_loses(poses, tmp_path, capsys):
+    command = ["simulate", str(poses), "-o", str(tmp_path / "out"), "--no-pictures", "--check"]
+    assert main([*command, "--imu", "mpu6050", "--imu", "perfect:0,0,0"]) == 0
+    text = capsys.readouterr().out
+    found = {
+        kind: float(p) for kind, p in re.findall(r"mpu6050 (ideal rates|with its errors) +(\S+) m,", text)
+    }
+    # Its accelerometers are off by 0.5 m/s^2, which makes a metre and more in 4 s.
+    assert found["ideal rates"] < 1e-6 < 0.1 < found["with its errors"]
+    assert "perfect with" not in text
 
 
 def test_ned_in_and_out(poses, tmp_path):

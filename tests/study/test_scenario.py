@@ -56,6 +56,17 @@ def test_a_filter_says_which_offsets_do_not_count():
         FilterRecipe("dcm", clock_offset=float("nan"))
 
 
+def test_a_filter_says_which_offsets_do_not_count():
+    text = (
+        SOUND + CIRCLE + '[[filter]]\nkind = "dcm"\nmode = "6"\nalign = "heading"\nclock_offset = "estimate"'
+    )
+    scenario = read(text)
+    assert scenario.filters == (FilterRecipe("dcm", {"mode": "6"}, "", "heading", "estimate"),)
+    assert read(scenario.to_toml()) == scenario
+    with pytest.raises(ValueError, match="clock_offset must be a finite number"):
+        FilterRecipe("dcm", clock_offset=float("nan"))
+
+
 def test_a_full_file_is_read_as_it_stands():
     scenario = read(
         'name = "all"\nseed = 7\nstart = -1\n' + SOUND + CIRCLE + "radius = 2\n"

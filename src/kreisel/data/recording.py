@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 from kreisel.data.checks import Array, increasing, per_axis, same_length, shaped
 from kreisel.data.tables import Tabular
@@ -50,3 +51,9 @@ class ImuRecording(Tabular):
 
     def __len__(self) -> int:
         return len(self.t)
+
+    def rows(self, rows: slice) -> ImuRecording:
+        """The same recording at some of its samples only."""
+        columns = ("t", "gyro", "accel", "mag_uT", "gyro_sigma", "accel_sigma")
+        whole: dict[str, Any] = {name: getattr(self, name) for name in columns}
+        return replace(self, **{name: x[rows] for name, x in whole.items() if x is not None})

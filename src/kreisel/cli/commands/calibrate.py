@@ -11,6 +11,7 @@ import numpy as np
 
 from kreisel.cli.inputs import add_input_arguments, read_input
 from kreisel.data.calibration import Calibration, TriadCalibration
+from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.recording import ImuRecording
 
 HELP = (
@@ -22,12 +23,16 @@ examples:
   kreisel calibrate turned.csv --mag -o calibration.toml
   kreisel calibrate desk.csv -o calibration.toml             whatever the recording shows
   kreisel calibrate walk.csv --apply calibration.toml -o walk_calibrated.csv
+  kreisel simulate poses.csv -o out/ --imu calibration.toml   a sensor with these errors
 
 The gyro needs 2 s of rest; the accelerometer six poses at rest (12 for misalignment), a few seconds each; the
 magnetometer to be turned every way, slowly, far from iron that does not turn with it.
 """
 
 _SENSORS = ("gyro", "accel", "mag")
+
+# Elements above the diagonal: what one axis hears of another.
+_PAIRS = np.triu_indices(3, 1)
 
 
 def configure(parser: ArgumentParser) -> None:
@@ -44,6 +49,13 @@ def configure(parser: ArgumentParser) -> None:
         parser.add_argument(f"--{name}", action="store_true", help=f"calibrate the {text}")
     parser.add_argument(
         "--field-ut", type=float, metavar="UT", help="strength of the magnetic field, microtesla"
+    )
+    parser.add_argument(
+        "--gravity",
+        type=float,
+        metavar="M/S2",
+        help="gravity where the accelerometer was calibrated (default: the standard one, 9.80665; it is 9.78 at the "
+        "equator, 9.83 at the poles)",
     )
     parser.add_argument(
         "--apply", metavar="FILE", help="take the errors in this calibration file off the recording"
@@ -66,7 +78,8 @@ def run(args: Namespace) -> int:
     calibration = _calibrated(args, recording)
     write_calibration(args.output, calibration)
     print(
-        f"{args.output}: the calibration; kreisel calibrate FILE --apply {args.output} takes it off a recording"
+        f"{args.output}: the calibration; kreisel calibrate FILE --apply {args.output} takes it off a recording, "
+        f"kreisel simulate POSES --imu {args.output} simulates a sensor with these errors"
     )
     return 0
 
@@ -111,9 +124,15 @@ def _gyro(args: Namespace, recording: ImuRecording) -> TriadCalibration:
 def _accel(args: Namespace, recording: ImuRecording) -> TriadCalibration:
     from kreisel.evaluate.calibrate import calibrate_accel
 
-    triad = calibrate_accel(recording)
+    triad = calibrate_accel(recording, STANDARD_GRAVITY if args.gravity is None else args.gravity)
     scale, error = np.diagonal(triad.matrix), np.diagonal(triad.matrix_error)
     print(f"accel  bias {_vector(triad.bias, triad.bias_error)} m/s^2; scale {_vector(scale, error)}")
+    lean, lean_error = (np.rad2deg(m[_PAIRS]) for m in (triad.matrix, triad.matrix_error))
+    fitted = lean_error.any()
+    told = (
+        f"xy, xz, yz {_vector(lean, lean_error)} deg" if fitted else "not fitted: it needs 12 poses or more"
+    )
+    print(f"       misalignment {told}")
     return triad
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import time
 from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,9 +32,12 @@ from kreisel.cli.surroundings import (
 from kreisel.data.checks import choice, file_name
 from kreisel.data.environment import Environment
 from kreisel.data.frames import WORLDS, to_enu_flu
-from kreisel.data.motion import Mount
+from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.files.doors import format_names
+
+if TYPE_CHECKING:
+    from kreisel.simulate.imu import Imu
 
 HELP = "IMU data of a body that moves along the poses, waypoints or segments in a file"
 
@@ -98,7 +103,8 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--check",
         action="store_true",
-        help="integrate the IMU data back from the first pose and print how far that ends up from the truth",
+        help="integrate the ideal IMU data, and those of a sensor with errors, back from the first pose and print how "
+        "far each ends up from the truth",
     )
     parser.epilog = _EXAMPLES
 
@@ -142,8 +148,17 @@ def run(args: Namespace) -> int:
     print(aligned(lines))
     if args.check:
         print("integrated back from the first pose, the largest errors are:")
-        print(aligned([line for imu in imus for line in describe_round_trip(imu, motion)]))
+        print(aligned(_round_trips(imus, motion, made)))
     return 0
+
+
+def _round_trips(imus: Sequence[Imu], motion: Motion, made: Simulation) -> list[str]:
+    from kreisel.study.sensor import errs
+
+    lines: list[str] = []
+    for imu, measured in zip(imus, made.recordings, strict=True):
+        lines += describe_round_trip(imu, motion, measured if errs(imu) else None)
+    return lines
 
 
 def _described(environment: Environment) -> str:
