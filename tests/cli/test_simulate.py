@@ -162,7 +162,8 @@ def test_imus_that_would_share_a_file_are_refused(poses, tmp_path, capsys):
 def test_formats_that_hold_no_imu_are_refused_before_anything_is_written(poses, tmp_path, capsys):
     assert main(["simulate", str(poses), "-o", str(tmp_path / "out"), "--imu-format", "tum"]) == 1
     assert not (tmp_path / "out").exists()
-    assert "'csv', 'euroc-imu', 'mat', 'npz'; got 'tum'" in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert "one of 'csv', 'euroc-imu'," in error and "got 'tum'" in error
 
 
 def test_a_write_protected_file_is_left_alone(poses, tmp_path, capsys):

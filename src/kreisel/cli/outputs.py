@@ -136,6 +136,7 @@ def simulation_outputs(
     imu_format: str = "csv",
     pictures: bool = True,
     animation: bool = False,
+    rerun: bool = False,
 ) -> list[Output[Simulated]]:
     """IMU data, truth and pictures of a simulation whose IMUs have these names; `erring` are those with errors."""
     from kreisel.cli.error_terms import write_error_terms
@@ -171,6 +172,7 @@ def simulation_outputs(
             if animation
             else ()
         ),
+        *([_viewer()] if rerun else ()),
     ]
 
 
@@ -209,6 +211,17 @@ def _film(made: Simulated, path: Path) -> None:
     from kreisel.show.animation import animate
 
     animate(made.motion, made.mounts, path, recording=made.recordings[0])
+
+
+def _viewer() -> Output[Simulated]:
+    from kreisel.show.viewer import installed, save_rerun
+
+    installed()  # now, and not when everything else has been written
+
+    def save(made: Simulated, path: Path) -> None:
+        save_rerun(path, made.motion, made.mounts, made.recordings)
+
+    return Output("motion.rrd", "body, IMUs and readings, for the Rerun viewer", save)
 
 
 def describe_notes(notes: Sequence[Note]) -> list[str]:

@@ -18,6 +18,7 @@ from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.checks import Array, choice
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
+from kreisel.data.tables import CONSTANTS
 from kreisel.data.trajectory import Poses
 
 Data = TypeVar("Data", bound=Poses | Motion | ImuRecording | AttitudeHistory | Reference | Mount)
@@ -92,7 +93,7 @@ def _turned(
     if isinstance(data, ImuRecording):
         mag_uT = None if data.mag_uT is None else body(data.mag_uT, -1)
         accel = body(data.accel, -1) * accel_sign
-        sigmas = _sizes(data, {"gyro_sigma": body, "accel_sigma": body})
+        sigmas = _sizes(data, dict.fromkeys(("gyro_sigma", "accel_sigma", *CONSTANTS), body))
         return replace(data, gyro=body(data.gyro, -1), accel=accel, mag_uT=mag_uT, **sigmas)
     if isinstance(data, Motion):
         return replace(

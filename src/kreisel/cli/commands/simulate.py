@@ -50,6 +50,7 @@ examples:
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
   kreisel simulate mocap.csv -o out/ --noise 0.1mm,0.01deg --max-gap 0.5
   kreisel simulate flight.csv -o out/ --frame ned-frd
+  kreisel simulate flight.bag --topic /odom -o out/ --imu-format mcap
   kreisel simulate poses.csv -o out/ --rate 1000 --check
   kreisel simulate walk.csv -o out/ --place 48.14,11.58,520 --date 2026-05-01 --turning
   kreisel simulate mission.csv --as waypoints -o out/ --rate 200 --max-speed 8 --max-acceleration 4 --banked
@@ -98,6 +99,7 @@ def configure(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.add_argument("--animation", action="store_true", help="also write motion.gif")
+    parser.add_argument("--rerun", action="store_true", help="also write motion.rrd for the Rerun viewer")
     parser.add_argument(
         "--check",
         action="store_true",
@@ -130,6 +132,7 @@ def run(args: Namespace) -> int:
         imu_format=args.imu_format,
         pictures=not args.no_pictures,
         animation=args.animation,
+        rerun=args.rerun,
     )
     check_outputs(args.output, outputs)
     motion, held = read_course(args)
