@@ -11,6 +11,7 @@ import numpy as np
 
 from kreisel.cli.inputs import add_input_arguments, read_input
 from kreisel.data.calibration import Calibration, TriadCalibration
+from kreisel.data.checks import scalar
 from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.recording import ImuRecording
 
@@ -68,6 +69,7 @@ def run(args: Namespace) -> int:
     """Read, calibrate or apply, write."""
     from kreisel.cli.commands.estimate import check_units
 
+    _check_options(args)
     recording = read_input(args, kind="imu")
     assert isinstance(recording, ImuRecording)  # the kind asked for
     check_units(recording, args.input, args.trust_units)
@@ -82,6 +84,21 @@ def run(args: Namespace) -> int:
         f"kreisel simulate POSES --imu {args.output} simulates a sensor with these errors"
     )
     return 0
+
+
+def _check_options(args: Namespace) -> None:
+    """Refuse numbers that cannot be before anything is read, as without flags a sensor that fails is only noted."""
+    asked = [f"--{name}" for name in _SENSORS if getattr(args, name)]
+    given = {"--field-ut": args.field_ut, "--gravity": args.gravity}
+    numbers = [option for option, value in given.items() if value is not None]
+    if args.apply is not None and (asked or numbers):
+        raise ValueError(
+            f"--apply takes off all that {args.apply} holds; {', '.join([*asked, *numbers])} belongs to a calibration."
+        )
+    if args.field_ut is not None:
+        scalar("--field-ut", args.field_ut, "uT", 1.0, 1000.0)
+    if args.gravity is not None:
+        scalar("--gravity", args.gravity, "m/s^2", 0.1, 100.0)
 
 
 def _apply(args: Namespace, recording: ImuRecording) -> int:

@@ -74,8 +74,8 @@ def configure(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--sensor",
-        help="sensor of all IMUs that name none: a preset (see kreisel sensors), a preset file .toml or kalibr's "
-        ".yaml (default: perfect sensors)",
+        help="sensor of all IMUs that name none: a preset (see kreisel sensors), a preset file .toml, kalibr's .yaml "
+        "or what kreisel calibrate wrote (default: perfect sensors)",
     )
     parser.add_argument(
         "--seed", type=int, default=0, help="whole number from which noise is drawn (default 0)"
