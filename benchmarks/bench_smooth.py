@@ -97,7 +97,9 @@ def best(signal: SmoothSignal, t: np.ndarray, exact: np.ndarray) -> float:
 
 
 def correlated(draws: int = 10) -> None:
-    print("correlated noise: acceleration of the centre RMS found / best for white noise, accelerometer RMS, coverage")
+    print(
+        "correlated noise: acceleration of the centre RMS found / best for white noise, accelerometer RMS, coverage"
+    )
     for name, path in CASES.items():
         truth = path.sample(np.arange(1001) / 200.0)
         exact = IMU.ideal(truth)
@@ -114,7 +116,9 @@ def correlated(draws: int = 10) -> None:
                 ]
                 signal = smoothing_spline(truth.t, trajectory.position)
                 own = rms(motion.a_NB - truth.a_NB)
-                rows.append([own, best(signal, truth.t, truth.a_NB), rms(reading.accel - exact.accel), *inside])
+                rows.append(
+                    [own, best(signal, truth.t, truth.a_NB), rms(reading.accel - exact.accel), *inside]
+                )
             a, least, accel, *inside = np.mean(rows, axis=0)
             print(
                 f"  case {name}, {1e3 * memory:3.0f} ms: {a:.3f} / {least:.3f} = {a / least:.2f}, accelerometer "
@@ -165,7 +169,9 @@ def cost(most: int = 10_000_000) -> None:
     for n in [n for n in (1_000, 10_000, 100_000, 1_000_000, 10_000_000) if n <= most]:
         data = poses(n)
         rounds = 3 if n <= 100_000 else 1
-        smooth, plain = (min(seconds(m, data, 1_000_000) for _ in range(rounds)) for m in ("smooth", "spline"))
+        smooth, plain = (
+            min(seconds(m, data, 1_000_000) for _ in range(rounds)) for m in ("smooth", "spline")
+        )
         print(
             f"  {n:9d} poses: {1e6 * smooth / n:7.2f} us a pose, spline {1e6 * plain / n:6.2f}, ratio {smooth / plain:5.1f}, "
             f"peak memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6:.1f} GB",

@@ -142,6 +142,13 @@ class Motion:
         if known is None:
             return {}
         a_sigma = acceleration_sigma_at(mount.p_BS, self.R_NB, self.omega_NB_B, known)
-        turned = (np.sqrt(np.square(s) @ np.square(mount.R_BS)) for s in (known.theta, known.omega, known.alpha))
+        turned = (
+            np.sqrt(np.square(s) @ np.square(mount.R_BS)) for s in (known.theta, known.omega, known.alpha)
+        )
         theta, omega, alpha = map(read_only, turned)
-        return {"theta_sigma": theta, "a_sigma": read_only(a_sigma), "omega_sigma": omega, "alpha_sigma": alpha}
+        return {
+            "theta_sigma": theta,
+            "a_sigma": read_only(a_sigma),
+            "omega_sigma": omega,
+            "alpha_sigma": alpha,
+        }

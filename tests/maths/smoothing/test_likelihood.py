@@ -46,7 +46,9 @@ def test_a_level_that_is_given_is_taken(rng):
     found, given = smoothing_spline(T, x), smoothing_spline(T, x, sigma=np.array([SIGMA]))
     assert given.sigma[0] == SIGMA
     # Half of the noise is left in doubt by neither: the two accelerations differ by less than their error.
-    np.testing.assert_allclose(given(T, 2)[2], found(T, 2)[2], atol=3.0 * np.sqrt(found.variances(T, range(2, 3)).max()))
+    np.testing.assert_allclose(
+        given(T, 2)[2], found(T, 2)[2], atol=3.0 * np.sqrt(found.variances(T, range(2, 3)).max())
+    )
     np.testing.assert_allclose(given.found, SIGMA, rtol=0.15)
 
 

@@ -77,7 +77,10 @@ def configure(parser: ArgumentParser) -> None:
         "0.1/0.1/0.3mm (default: found from the poses)",
     )
     parser.add_argument(
-        "--max-gap", type=float, metavar="S", help="longest time without poses that is bridged (default 0.25 s)"
+        "--max-gap",
+        type=float,
+        metavar="S",
+        help="longest time without poses that is bridged (default 0.25 s)",
     )
     parser.add_argument("--orientation", help="tangent or transport, in place of the file's attitude")
     parser.add_argument("--to-frame", default="enu-flu", help=f"world of the output: {', '.join(WORLDS)}")
@@ -172,7 +175,9 @@ def _level(text: str, quantity: str) -> list[float]:
         assert match is not None
         numbers = np.array([float(number) for number in match[1].split("/")])
     except (AssertionError, ValueError):
-        raise ValueError(f"--noise takes numbers with their unit, such as 0.1mm,0.01deg; got {text!r}.") from None
+        raise ValueError(
+            f"--noise takes numbers with their unit, such as 0.1mm,0.01deg; got {text!r}."
+        ) from None
     if len(numbers) not in (1, 3):
         raise ValueError(f"--noise takes one number or three, x/y/z; got {text!r}.")
     scaled = scale(match[2], quantity)(numbers).tolist()

@@ -106,13 +106,19 @@ class SampledTrajectory:
             if given is None:
                 continue
             if self.method in ("spline", "gradient"):
-                raise ValueError(f"{name} is for smoothing; method {self.method!r} takes the samples as they are.")
+                raise ValueError(
+                    f"{name} is for smoothing; method {self.method!r} takes the samples as they are."
+                )
             sigma = per_axis(name, given, unit)
             if not (sigma > 0.0).all():
-                raise ValueError(f"{name} must be above 0, {unit}; got {given!r}. Leave it out to have it found.")
+                raise ValueError(
+                    f"{name} must be above 0, {unit}; got {given!r}. Leave it out to have it found."
+                )
             object.__setattr__(self, name, sigma)
         if self.attitude_noise is not None and isinstance(self.orientation, str):
-            raise ValueError(f"attitude_noise has no meaning with orientation {self.orientation!r}: no attitude is measured.")
+            raise ValueError(
+                f"attitude_noise has no meaning with orientation {self.orientation!r}: no attitude is measured."
+            )
 
     def _check_gaps(self) -> None:
         """Refuse too few samples, and gaps that are too long."""
@@ -218,7 +224,9 @@ class SampledTrajectory:
             variances = position.variances(times, range(2, 3))
             turns = tuple(np.sqrt(self._attitude.variances(times, range(3))))
         a_sigma = np.sqrt(variances[0 if len(variances) == 1 else 2])
-        return dict(zip(("theta_sigma", "omega_sigma", "alpha_sigma"), turns, strict=True)) | {"a_sigma": a_sigma}
+        return dict(zip(("theta_sigma", "omega_sigma", "alpha_sigma"), turns, strict=True)) | {
+            "a_sigma": a_sigma
+        }
 
     def _turns_along(self, times: Array, R_NB: Array, variances: Array) -> tuple[Array, Array, Array]:
         from kreisel.maths.following.uncertainty import carried_sigmas, course_sigmas
