@@ -23,8 +23,8 @@ import numpy as np
 
 from kreisel import FunctionTrajectory, Imu, Motion, Mount, SampledTrajectory, lissajous
 from kreisel.maths.rotations import exp_so3
-from kreisel.maths.smoothing.likelihood import Choice
 from kreisel.maths.smoothing.blocks import Piece
+from kreisel.maths.smoothing.likelihood import Choice
 from kreisel.maths.smoothing.spline import SmoothSignal, smoothing_spline
 from kreisel.maths.smoothing.system import Smoothness
 
@@ -76,7 +76,7 @@ def coverage(draws: int = 200) -> None:
             print(
                 f"  {sensor}: all {inside.mean():.3f}, axes {np.round(inside.mean(axis=(0, 1)), 3)}, "
                 f"inside {inside[:, 50:-50].mean():.3f}, first and last ten {over_time[:10].mean():.3f} "
-                f"{over_time[-10:].mean():.3f}, over time 1 % and 99 % {np.round(np.quantile(over_time, (0.01, 0.99)), 3)}; "
+                f"{over_time[-10:].mean():.3f}, over time {np.round(np.quantile(over_time, (0.01, 0.99)), 3)}; "
                 f"RMS with ends / inside {np.mean([rms(e) for e in errors]):.4f} / "
                 f"{np.mean([rms(e[50:-50]) for e in errors]):.4f}"
             )
@@ -173,7 +173,8 @@ def cost(most: int = 10_000_000) -> None:
             min(seconds(m, data, 1_000_000) for _ in range(rounds)) for m in ("smooth", "spline")
         )
         print(
-            f"  {n:9d} poses: {1e6 * smooth / n:7.2f} us a pose, spline {1e6 * plain / n:6.2f}, ratio {smooth / plain:5.1f}, "
+            f"  {n:9d} poses: {1e6 * smooth / n:7.2f} us a pose, spline {1e6 * plain / n:6.2f}, "
+            f"ratio {smooth / plain:5.1f}, "
             f"peak memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6:.1f} GB",
             flush=True,
         )

@@ -85,7 +85,7 @@ class Behind:
 
 def known_rows(x: Array) -> Mask:
     """(n,) rows without NaN; an infinite number is no missing sample."""
-    return ~np.isnan(x.reshape(len(x), -1)).any(axis=1)
+    return np.asarray(~np.isnan(x.reshape(len(x), -1)).any(axis=1))
 
 
 def gaps(what: str, t: Array, max_gap: float) -> Array:
@@ -169,7 +169,8 @@ def _level_note(columns: Columns, smoothing: Smoothing) -> Note:
     if columns.noise is None:
         text = f"{columns.what} smoothed{helped}: noise of {found} found"
     else:
-        text = f"{columns.what} smoothed{helped} for noise of {_readable(columns.noise, columns.rotations)}; they show {found}"
+        given = _readable(columns.noise, columns.rotations)
+        text = f"{columns.what} smoothed{helped} for noise of {given}; they show {found}"
     if smoothing.memory.any():
         text += f", correlated over {_numbers(1e3 * smoothing.memory)} ms"
     if columns.rotations and columns.noise is None and smoothing.found.max() > _NO_NOISE:
@@ -200,7 +201,7 @@ def _event_notes(columns: Columns, smooth: SmoothSignal) -> Sequence[Note]:
         size = float(np.linalg.norm(jump))
         angle = np.rad2deg(4.0 * np.arcsin(min(1.0, 0.5 * size)))
         by = f"{angle:.2g} deg" if columns.rotations else f"{1e3 * size:.2g} mm"
-        text = f"{what} jump by {by} from one sample to the next: taken for a mistake; the parts are joined to the longest"
+        text = f"{what} jump by {by} between two samples: taken for a mistake, the parts are joined to the longest"
         notes.append(Note("jump", text, float(t)))
     for t in smooth.rough:
         text = (

@@ -25,7 +25,7 @@ def noise(rng: np.random.Generator, memory: float) -> np.ndarray:
 @pytest.mark.parametrize("memory", [0.005, 0.01, 0.02])
 def test_correlated_noise_is_not_taken_for_motion(rng, memory):
     smooth = smoothing_spline(T, motion() + noise(rng, memory))
-    # What is new from sample to sample: a thousand of them know it to 2 %, and its fall with frequency takes some of it.
+    # What is new from sample to sample: a thousand of them know it to 2 %, and the memory's error takes a part.
     news = smooth.sigma * np.sqrt(-np.expm1(-0.01 / smooth.memory))
     np.testing.assert_allclose(news, SIGMA * np.sqrt(-np.expm1(-0.01 / memory)), rtol=0.15)
     # As many independent samples as there are memories: 250 at the least know a memory to a factor of 1.2; the

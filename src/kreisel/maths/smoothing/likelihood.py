@@ -170,10 +170,8 @@ def _stretches(segments: Sequence[Samples]) -> list[Samples]:
         return list(segments)
     starts = np.cumsum([0] + [len(s.t) for s in segments])
     places = np.linspace(_STRETCH // 2, total - _STRETCH // 2, _STRETCHES).astype(int)
-    return [
-        _around(segments[k], place - starts[k])
-        for place, k in zip(places, np.searchsorted(starts, places, "right") - 1)
-    ]
+    owners = np.searchsorted(starts, places, "right") - 1
+    return [_around(segments[k], place - starts[k]) for place, k in zip(places, owners, strict=True)]
 
 
 def _around(samples: Samples, place: int) -> Samples:

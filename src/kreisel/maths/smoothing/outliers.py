@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -61,7 +62,7 @@ class Division(NamedTuple):
     def edges(self) -> list[tuple[int, int]]:
         """First and last sample, not included, between any two breaks."""
         places = [0, *self.breaks, len(self.kept)]
-        return list(zip(places[:-1], places[1:], strict=True))
+        return list(pairwise(places))
 
     def segments(self, samples: Samples) -> list[Samples]:
         """What is kept, between any two breaks."""
@@ -168,7 +169,7 @@ def _scores(fit: Fit, division: Division) -> tuple[Array, Array]:
     found = [_matched(piece) for piece in fit.pieces]
     for score, parts in zip((pulses, steps), zip(*found, strict=True), strict=True):
         size = np.abs(np.concatenate(parts))
-        # Half of a recording may be exactly at rest, or its noise have heavy tails: then the loud part sets the measure.
+        # Half of a recording may be at rest, or its noise have heavy tails: then the loud part sets the measure.
         usual = np.quantile(size, (0.5, 0.9), axis=0) / np.array(TYPICAL_LENGTHS[1])[:, None]
         least = 0.1 * np.sqrt(np.mean(np.square(size), axis=0))
         score[division.kept] = np.max(size / np.maximum(np.maximum(*usual), least + 1e-300), axis=1)

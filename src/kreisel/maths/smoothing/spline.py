@@ -78,7 +78,7 @@ class SmoothSignal:
     @property
     def floor(self) -> Array:
         """As `Signal` has it."""
-        return UNKNOWN * np.sqrt(self.variances(self.t, range(1, 2))[0].sum(axis=1))
+        return np.asarray(UNKNOWN * np.sqrt(self.variances(self.t, range(1, 2))[0].sum(axis=1)))
 
     def __call__(self, t: Array, order: int) -> Array:
         """(order + 1, n, c): value and derivatives at increasing times t (n,)."""
@@ -191,7 +191,7 @@ def _values(piece: Piece) -> Array:
     """(n, c) at the samples of a piece."""
     value = np.empty((1, *piece.samples.x.shape))
     piece(piece.samples.t, 0, value)
-    return value[0]
+    return np.asarray(value[0])
 
 
 def _level(pieces: Sequence[Piece]) -> float:
@@ -203,7 +203,8 @@ def _level(pieces: Sequence[Piece]) -> float:
 def _confirmed(fits: Sequence[Fit], division: Division) -> Division:
     """`division` without breaks at which both sides meet: a corner of the path is no jump."""
     jumps = [
-        any(_jumps(*fit.pieces[k : k + 2], fit.sigma) for fit in fits) for k in range(len(division.breaks))
+        any(_jumps(fit.pieces[k], fit.pieces[k + 1], fit.sigma) for fit in fits)
+        for k in range(len(division.breaks))
     ]
     meet = tuple(place for place, is_jump in zip(division.breaks, jumps, strict=True) if not is_jump)
     stay = tuple(place for place in division.breaks if place not in meet)

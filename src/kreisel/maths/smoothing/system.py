@@ -45,7 +45,7 @@ class Samples(NamedTuple):
         """What the samples know beyond the polynomials that no penalty touches."""
         return self.dimensions * (len(self.t) * (1 if self.rate is None else 2) - ORDER)
 
-    def part(self, rows: slice | npt.NDArray[np.bool_]) -> Samples:
+    def part(self, rows: slice | npt.NDArray[np.bool_] | npt.NDArray[np.intp]) -> Samples:
         """Some of the samples, in order."""
         return self._replace(
             t=self.t[rows], x=self.x[rows], rate=None if self.rate is None else self.rate[rows]
@@ -105,7 +105,7 @@ class System:
 
     def solve(self, smoothness: Smoothness) -> Solution:
         """Best spline for a smoothness."""
-        rows, x, _, moments, log_size = self._values(smoothness.memory)
+        _, x, _, moments, log_size = self._values(smoothness.memory)
         factor = self.factor(smoothness)
         if self.samples.rate is not None:
             moments = moments + smoothness.weight * self.rate_moments
