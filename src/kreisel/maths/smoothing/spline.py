@@ -32,6 +32,8 @@ _ANOTHER = 0.1
 # Share of a recording that may be rough for the rest of it to tell how its noise is correlated.
 _RARELY = 0.025
 
+_ROUND_OFF = 1e-13  # of a sample, after the algebra of a spline
+
 
 @dataclass(frozen=True, slots=True)
 class SmoothSignal:
@@ -166,7 +168,7 @@ def _searched(samples: Samples, division: Division) -> Fit:
 def _again(fit: Fit, division: Division) -> Fit:
     """`fit` to another part of the samples; as smooth as before where the noise is the same."""
     same = _fit(fit.samples, division.segments(fit.samples), fit.choice)
-    if abs(_level(same.pieces) / _level(fit.pieces) - 1.0) < _ANOTHER:
+    if abs(same.sigma / fit.sigma - 1.0) < _ANOTHER:
         return same
     return _searched(fit.samples, division)
 
@@ -184,7 +186,10 @@ def _fit(samples: Samples, segments: Sequence[Samples], choice: Choice) -> Fit:
         along_axes(value, piece.samples.x + piece.centre - value)
         for piece, value in zip(pieces, map(_values, pieces), strict=True)
     ]
-    return Fit(samples, choice, pieces, samples.sigma or _level(pieces), spread(np.concatenate(away)))
+    # What does not move at all has no noise but round-off.
+    least = _ROUND_OFF * float(np.abs(samples.x).max()) + 1e-100
+    sigma = samples.sigma or max(_level(pieces), least)
+    return Fit(samples, choice, pieces, sigma, spread(np.concatenate(away)))
 
 
 def _values(piece: Piece) -> Array:
