@@ -405,3 +405,40 @@ def test_places_and_dates_that_are_none_end_in_one_line(options, message, standi
     assert err.startswith("kreisel: ") and err.count("\n") == 1
     assert message in err
     assert not (tmp_path / "out").exists()
+
+
+def test_noise_and_gaps_can_be_told_on_the_command_line(tmp_path, capsys):
+    t = np.arange(200) / 100.0
+    rng = np.random.default_rng(1)
+    p = np.stack([np.sin(t), np.cos(t), 0.1 * t], axis=1) + 1e-3 * rng.normal(size=(200, 3))
+    kept = (t < 0.8) | (t > 1.2)
+    file = tmp_path / "poses.csv"
+    write(file, Poses(t[kept], p[kept]))
+    arguments = ["simulate", str(file), "-o", str(tmp_path / "out"), "--no-pictures"]
+    assert main(arguments) == 1
+    # 0.8 is within half a rounding of the last stamp that is kept.
+    assert re.search(r"no positions from t = 0\.(79|8) to 1\.21 s.*--max-gap", capsys.readouterr().err)
+    assert main([*arguments, "--max-gap", "0.5", "--noise", "1/1/2mm"]) == 0
+    out = capsys.readouterr().out
+    assert "positions smoothed for noise of 1 / 1 / 2 mm; they show" in out and "bridged" in out
+    recording = read(tmp_path / "out" / "imu.csv", kind="imu")
+    assert recording.accel_sigma is not None and recording.gyro_sigma is not None
+
+
+@pytest.mark.parametrize(
+    ("noise", "message"),
+    [
+        ("0.1", "numbers with their unit"),
+        ("0.1mm,1deg,3s", "LENGTH[,ANGLE]"),
+        ("0.1/0.2mm", "one number or three"),
+        ("0.1deg", "'deg' is no unit of length"),
+        ("0mm", "position_noise must be above 0, in m"),
+        ("-1mm", "position_noise must be above 0, in m"),
+    ],
+)
+def test_noise_that_cannot_be_is_refused(tmp_path, capsys, noise, message):
+    t = np.arange(50) / 100.0
+    write(tmp_path / "poses.csv", Poses(t, np.stack([t, t, t], axis=1)))
+    source, out = str(tmp_path / "poses.csv"), str(tmp_path / "out")
+    assert main(["simulate", source, "-o", out, f"--noise={noise}", "--no-pictures"]) == 1
+    assert message in capsys.readouterr().err

@@ -17,7 +17,7 @@ from kreisel.data.environment import Environment
 from kreisel.data.trajectory import Poses
 from kreisel.files.doors import write
 from kreisel.simulate.trajectories.functions import FunctionTrajectory
-from kreisel.study.building import surroundings
+from kreisel.study.building import build, surroundings
 from kreisel.study.scenario import (
     DisturbanceRecipe,
     EnvironmentRecipe,
@@ -43,17 +43,6 @@ def test_a_short_file_has_defaults_for_the_rest():
     assert scenario.imus == (ImuRecipe("imu", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)),)
     assert scenario.environment == EnvironmentRecipe()
     np.testing.assert_array_equal(surroundings(scenario.environment).g_N, [0.0, 0.0, -9.80665])
-
-
-def test_a_filter_says_which_offsets_do_not_count():
-    text = (
-        SOUND + CIRCLE + '[[filter]]\nkind = "dcm"\nmode = "6"\nalign = "heading"\nclock_offset = "estimate"'
-    )
-    scenario = read(text)
-    assert scenario.filters == (FilterRecipe("dcm", {"mode": "6"}, "", "heading", "estimate"),)
-    assert read(scenario.to_toml()) == scenario
-    with pytest.raises(ValueError, match="clock_offset must be a finite number"):
-        FilterRecipe("dcm", clock_offset=float("nan"))
 
 
 def test_a_filter_says_which_offsets_do_not_count():
@@ -445,3 +434,16 @@ def test_importing_study_waits_with_pydantic():
         [sys.executable, "-c", program], env={"PYTHONPATH": str(ROOT / "src")}, capture_output=True, text=True
     )
     assert done.stdout == "[]\n", done.stderr
+
+
+def test_a_file_takes_the_noise_and_gaps_of_its_poses(tmp_path: Path) -> None:
+    rng, t = np.random.default_rng(3), np.arange(200) / 100.0
+    p = np.stack([np.sin(t), np.cos(t), 0.1 * t], axis=1) + 1e-3 * rng.normal(size=(200, 3))
+    kept = (t < 0.8) | (t > 1.2)
+    write(tmp_path / "p.csv", Poses(t[kept], p[kept]))
+    text = '[trajectory]\nkind = "file"\npath = "p.csv"\nposition_noise = [1e-3, 1e-3, 2e-3]\n'
+    with pytest.raises(ValueError, match=r"no positions from t = .*max_gap=0.4"):
+        Scenario.from_toml(text, folder=tmp_path)
+    scenario = Scenario.from_toml(text + "max_gap = 0.5\n", folder=tmp_path)
+    trajectory = build(scenario).trajectory
+    np.testing.assert_array_equal(trajectory.position_smoothing.sigma, [1e-3, 1e-3, 2e-3])

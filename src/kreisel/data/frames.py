@@ -128,7 +128,7 @@ def _attitude_fields(
     }
 
 
-def _sizes(data: Any, turns: dict[str, Callable[[Array, int], Array]]) -> dict[str, Array | None]:
+def _sizes(data: Any, turns: dict[str, Callable[[Array, int], Array]]) -> dict[str, Any]:
     """Standard deviations, which have an axis but no sign."""
     known = {name: getattr(data, name) for name in turns}
     return {name: None if x is None else np.abs(turns[name](x, -1)) for name, x in known.items()}
