@@ -1,0 +1,100 @@
+"""Turns the flat float64 arrays that the kernels of the error-state filter work on into named places."""
+
+from kreisel.estimate.filters import ANSWER, DISTURBED, FLAGS, GYRO_BIAS, HEADING, HELD, R_NS, REST
+
+# How a filter starts, holds and bridges is the DCM filter's, and so are the places for it.
+from kreisel.estimate.filters.dcm.layout import CALM, GAP, LEVELLED, MISSING, NORTHED, RATE
+
+__all__ = ["ANSWER", "DISTURBED", "FLAGS", "GYRO_BIAS", "HEADING", "HELD", "R_NS", "REST"]
+__all__ += ["CALM", "GAP", "LEVELLED", "MISSING", "NORTHED", "RATE"]
+
+# ---- Order of the errors, estimate less truth.
+THETA = 0  # 3: attitude in N, R_est = Exp(theta) R_true
+V = 3  # 2: horizontal velocity in N
+U = 5  # 3: travel, the velocity that a body keeps in its own axes
+B = 8  # 3: gyro bias
+C = 11  # 9: gyro scale and misalignment, columns of the matrix by which a gyro reads C @ gyro too much
+CONSTANTS = 12  # B and C
+D = 20  # what turns the field away from north, here and now
+A = 21  # 2: what adds to the specific force, horizontally in N, here and now
+ERRORS = 23
+
+# ---- State after the places that all steps have.
+SIGMA = 22  # 3: standard deviations of THETA
+VELOCITY = 25  # 2: sum of the horizontal specific force less its corrections, m/s
+SCALE = 27  # 9: C, column by column
+TRAVEL = 36  # 3: m/s
+TURNED = 39  # D, rad
+PUSHED = 40  # 2: A, m/s^2
+FIELD = 42  # 2: reference of the magnetic field, horizontal and up, in the magnetometer's unit
+FIELD_TIME = 44  # s, how long the reference has been learned
+CANDIDATE = 45  # 3: recent field in motion, horizontal and up, and its variance
+STEADY = 48  # s of motion through which the candidate has stayed the same
+DEVIATION = 49  # squared deviation of the field from the reference, its peaks slowly released
+SPREAD = 50  # variance that D was last given
+STUCK = 51  # rad, rotation since the magnetometer last read anything new
+LATEST_MAG = 52  # 3
+CONTRARY = 55  # s for which a field like the reference has contradicted the heading
+REST_TIME = 56  # s, how long the sensor has been at rest
+STRETCH = 57  # 4: sums of gyro times dt and of dt over the current stretch of rest
+WAITING = 61  # 4: the stretch before, whose mean is believed once the current one is complete
+SURPRISE = 65  # 2: velocities that surprised, low-passed, m/s
+ROAMING = 67  # squared noise of the velocity as of late, m^2/s^2/Hz
+NEXT_PART = 68  # s into the window, when TURN is next due
+WINDOWS = 69  # how many have closed
+COVARIANCE = 70  # 23 x 23
+CORRECTION = COVARIANCE + ERRORS**2  # 23: errors found in the latest window
+
+# How the latest window moved the errors, for whoever looks back.
+CHANGE = CORRECTION + ERRORS  # TURN of the window, then what follows
+CHANGE_FORCE = CHANGE + 3 * CONSTANTS  # s, for which the force was summed
+CHANGE_KEPT = CHANGE_FORCE + 1  # 3: share that is kept of U, D and A
+OBSERVED = CHANGE_KEPT + 3  # how many observations the window made, of those below
+OBSERVATIONS = OBSERVED + 1  # 6 times: row of the observation, its covariance with all errors, surprise, variance
+OBSERVATION = 2 * ERRORS + 2
+MOST = 6
+LOG_END = OBSERVATIONS + MOST * OBSERVATION
+LOG = LOG_END - COVARIANCE
+
+NOTHING = -1.0  # in place of CHANGE_FORCE: nothing was known before this window
+
+# Sums over the current window, zero at its start.
+SUMS = LOG_END
+LENGTH = SUMS  # s
+GYRO_SUM = SUMS + 1  # 3: times dt
+GYRO_SQUARES = SUMS + 4
+ACCEL_SUM = SUMS + 5  # 3: times dt
+ACCEL_SQUARES = SUMS + 8
+ACCEL_TIME = SUMS + 9  # s, of accelerometer samples that count
+FORCE_SUM = SUMS + 10  # 2: horizontal specific force times dt
+MAG_SUM = SUMS + 12  # 3: field in N
+MAG_COUNT = SUMS + 15
+TURN = SUMS + 16  # 3 x 12: what an error of each of the constants turns the attitude by
+SUMMED = TURN + 3 * CONSTANTS  # 4: LENGTH and GYRO_SUM that TURN already holds
+SUMS_END = SUMMED + 4
+STATE = SUMS_END
+
+# ---- Parameters; the first three are those of every step of the DCM filter.
+START_NORTH = 0  # 1 where the first attitude wants a magnetometer sample
+DECLINATION = 1  # 2: cosine and sine of how far magnetic north lies east of true north
+HOLD = 3  # s, longest gap of the gyro that is bridged by its latest sample
+DOF = 4  # 9, 6 or 0 (gyro alone)
+CONING = 5  # 1/12 where a gyro sample is the mean of a rate whose axis turns, else 0
+WINDOW = 6  # s
+GYRO_NOISE = 7  # rad/s/sqrt(Hz)
+RATE_NOISE = 8  # 1/sqrt(Hz), of the rate
+BIAS_DRIFT = 9  # rad/s/sqrt(s)
+SCALE_DRIFT = 10  # 1/sqrt(s)
+VELOCITY_NOISE = 11  # 2: least and most, m/s/sqrt(Hz)
+TRAVEL_SPREAD = 13  # m/s
+TRAVEL_TIME = 14  # s
+FORCE_SPREAD = 15  # m/s^2
+FIELD_SPREAD = 16  # of the norm of the field
+FIELD_TIME_CONSTANT = 17  # s
+FIELD_NOISE = 18  # 1/sqrt(Hz), of the norm of the field
+FIELD_RELEASE = 19  # s
+FIELD_MEMORY = 20  # s
+TAIL = 21  # degrees of freedom of the heading's surprises
+REST_GYRO = 22  # rad/s
+REST_ACCEL = 23  # m/s^2
+PARAMETERS = 24

@@ -1,0 +1,144 @@
+"""Turns a whole recording into attitudes that each know all of it, block by block in bounded memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from kreisel.estimate.filters.mekf import layout as at
+from kreisel.estimate.filters.mekf.backward import AFTER, BEFORE, FOUND, SIGMA, look_back
+from kreisel.estimate.filters.mekf.field import UNKNOWN
+from kreisel.estimate.filters.mekf.step import step
+from kreisel.estimate.filters.mekf.window import turn_world
+from kreisel.maths.kernels import kernel
+from kreisel.maths.vectors import Array, added, load, scaled, store
+
+ANSWER = at.SIGMA + 3
+
+# s of a block, and s beyond it that it looks ahead: more than twice the time over which a heading is averaged.
+_BLOCK, _AHEAD = 300.0, 150.0
+
+
+def blocks(
+    state: Array, parameters: Array, t: Array, gyro: Array, accel: Array, mag: Array
+) -> Iterator[tuple[int, Array, Array]]:
+    """First sample, smoothed answers (m, ANSWER) and all errors at the start of each block; `state` moves on."""
+    n, first = len(t), 0
+    window, latest = parameters[at.WINDOW], 0
+    while first < n:
+        end = _end(t, t[first] + _BLOCK)
+        last = _end(t, t[end - 1] + _AHEAD)
+        rows = int((t[last - 1] - t[latest]) / window) + 3
+        log, ends = np.empty((rows, at.LOG)), np.empty(rows, np.int64)
+        answers = np.empty((last - first, ANSWER))
+        ends[0], log[0] = latest, state[at.COVARIANCE : at.LOG_END]
+        count = log_forward(state, parameters, t, gyro, accel, mag, first, end, answers, log, ends, 1)
+        kept = state.copy()
+        count = log_forward(state, parameters, t, gyro, accel, mag, end, last, answers[end - first :], log, ends, count)
+        found = np.empty((count, FOUND))
+        look_back(log[:count], np.empty((at.ERRORS + 2, at.ERRORS)), found)
+        correct(t, first, answers[: end - first], ends[:count], found)
+        yield first, answers[: end - first], found[0, AFTER:]
+        state[:] = kept
+        latest = int(ends[:count][ends[:count] < end].max())
+        first = end
+
+
+def _end(t: Array, until: float) -> int:
+    return max(int(np.searchsorted(t, until, side="right")), 1)
+
+
+@kernel
+def log_forward(
+    state: Array,
+    params: Array,
+    t: Array,
+    gyro: Array,
+    accel: Array,
+    mag: Array,
+    first: int,
+    end: int,
+    answers: Array,
+    log: Array,
+    ends: Array,
+    count: int,
+) -> int:
+    """The filter's steps, and a row of the log for every window that closes; how many there are then."""
+    for k in range(first, end):
+        closed = state[at.WINDOWS]
+        g = gyro[k, 0], gyro[k, 1], gyro[k, 2]
+        a = accel[k, 0], accel[k, 1], accel[k, 2]
+        m = mag[k, 0], mag[k, 1], mag[k, 2]
+        step(state, params, g, a, m, t[k] - t[max(k - 1, 0)])
+        for i in range(answers.shape[1]):
+            answers[k - first, i] = state[i]
+        if state[at.WINDOWS] != closed:
+            ends[count] = k
+            for i in range(at.LOG):
+                log[count, i] = state[at.COVARIANCE + i]
+            count += 1
+    return count
+
+
+@kernel
+def correct(t: Array, first: int, answers: Array, ends: Array, found: Array) -> None:
+    """Take from the answers of samples from `first` on what was found about the windows that end at `ends`.
+
+    Within a window the error goes straight from that after its first to that before its last correction.
+    """
+    after = 0
+    for j in range(answers.shape[0]):
+        k = first + j
+        while after < len(ends) - 1 and ends[after] < k:
+            after += 1
+        before = max(after - 1, 0)
+        span = t[ends[after]] - t[ends[before]]
+        share = min((t[k] - t[ends[before]]) / span, 1.0) if span > 0.0 else 1.0
+        closes = ends[after] <= k
+        theta = load(found[after], AFTER if closes else BEFORE)
+        if not closes:
+            theta = added(scaled(share, theta), 1.0 - share, load(found[before], AFTER))
+        bias = load(found[after if closes else before], AFTER + at.B)
+        turn_world(answers[j], scaled(-1.0, theta))
+        store(answers[j], at.GYRO_BIAS, added(load(answers[j], at.GYRO_BIAS), -1.0, bias))
+        for i in range(3):
+            a, b = found[before, SIGMA + i], found[after, SIGMA + i]
+            answers[j, at.SIGMA + i] = a + share * (b - a)
+
+
+def smoothed(
+    state: Array, parameters: Array, t: Array, gyro: Array, accel: Array, mag: Array
+) -> Iterator[tuple[int, Array]]:
+    """First sample and answers (m, ANSWER) of one block after the other, from a filter's first `state`.
+
+    The first block is gone through twice: what it tells about its own beginning is where the second pass begins.
+    """
+    inputs = parameters, t, gyro, accel, mag
+    once = state.copy()
+    _, answers, errors = next(blocks(once, *inputs))
+    if once[at.LEVELLED] == 1.0:
+        _begin_anew(state, parameters, answers, errors, mag[: len(answers)])
+    for first, answers, _ in blocks(state, *inputs):
+        yield first, answers
+
+
+def _begin_anew(state: Array, parameters: Array, answers: Array, errors: Array, mag: Array) -> None:
+    """Begin with the attitude, the constants and the field of smoothed answers; as uncertain as before."""
+    state[at.R_NS : at.R_NS + 9] = answers[0, at.R_NS : at.R_NS + 9]
+    state[at.GYRO_BIAS : at.GYRO_BIAS + 3] = answers[0, at.GYRO_BIAS : at.GYRO_BIAS + 3]
+    state[at.SCALE : at.SCALE + 9] -= errors[at.C : at.C + 9]
+    state[at.LEVELLED], state[at.FLAGS], state[at.CALM] = 1.0, 0.0, 0.0
+    seen = np.flatnonzero(np.isfinite(mag).all(axis=1))
+    if not len(seen) or parameters[at.DOF] != 9.0:
+        return
+    state[at.NORTHED] = 1.0
+    if seen[0] > 0:
+        # The first sample of a magnetometer turned the answer then, and not what came before.
+        jump = answers[seen[0], at.HEADING] - answers[seen[0] - 1, at.HEADING]
+        turn_world(state, (0.0, 0.0, jump))
+    R = answers[seen, : at.R_NS + 9].reshape(-1, 3, 3)
+    east, north, up = np.einsum("nij,nj->in", R, mag[seen])
+    field = np.median(np.hypot(east, north)), np.median(up)
+    state[at.FIELD : at.FIELD + 2] = state[at.CANDIDATE : at.CANDIDATE + 2] = field
+    state[at.CANDIDATE + 2], state[at.FIELD_TIME] = UNKNOWN, parameters[at.FIELD_MEMORY]
