@@ -41,7 +41,7 @@ class MekfFilter:
     velocity_most: float = 2.0
     travel_spread: float = 1.0
     travel_time: float = 10.0
-    force_spread: float = 0.03
+    accel_spread: float = 0.03
     field_spread: float = 0.015
     field_time: float = 10.0
     field_noise: float = 0.03
@@ -76,7 +76,7 @@ class MekfFilter:
     def _first_sigmas(self, given: bool) -> list[float]:
         tilt, heading = (_GIVEN_TILT, _GIVEN_HEADING) if given else (_FIRST_TILT, _FIRST_HEADING)
         constants = [self.bias_spread] * 3 + [self.scale_spread] * 9
-        here = [self.field_spread, self.force_spread, self.force_spread]
+        here = [self.field_spread, *[self.accel_spread] * 3]
         return [tilt, tilt, heading, 0.5, 0.5, *[1.0] * 3, *constants, *here]
 
     def parameters(self) -> Array:
@@ -97,7 +97,7 @@ class MekfFilter:
             at.VELOCITY_NOISE + 1: self.velocity_most,
             at.TRAVEL_SPREAD: self.travel_spread,
             at.TRAVEL_TIME: self.travel_time,
-            at.FORCE_SPREAD: self.force_spread,
+            at.ACCEL_SPREAD: self.accel_spread,
             at.FIELD_SPREAD: self.field_spread,
             at.FIELD_TIME_CONSTANT: self.field_time,
             at.FIELD_NOISE: self.field_noise,

@@ -111,14 +111,16 @@ def _before_window(change: Array, whole: Array, line: Array) -> None:
 @kernel
 def _back(change: Array, x: Array) -> None:
     """x <- F^T x, for the F that `propagate` has."""
-    seconds, kept = change[at.CHANGE_FORCE - at.CHANGE], at.CHANGE_KEPT - at.CHANGE
+    seconds = change[at.CHANGE_FORCE - at.CHANGE]
+    length, kept = change[at.CHANGE_LENGTH - at.CHANGE], at.CHANGE_KEPT - at.CHANGE
     for k in range(at.CONSTANTS):
         for i in range(3):
             x[at.B + k] += change[at.CONSTANTS * i + k] * x[i]
+    for k in range(3):
+        for i in range(2):
+            x[at.A + k] += seconds / length * change[at.CONSTANTS * i + k] * x[at.V + i]
     x[1] += GRAVITY * seconds * x[at.V]
     x[0] -= GRAVITY * seconds * x[at.V + 1]
     for i in range(3):
         x[at.U + i] *= change[kept]
     x[at.D] *= change[kept + 1]
-    for i in range(2):
-        x[at.A + i] = change[kept + 2] * x[at.A + i] - seconds * x[at.V + i]

@@ -1,6 +1,6 @@
 """Turns what a window summed into what its errors can be: the covariance matrix P, carried on and observed.
 
-Errors are estimate less truth: R_est = Exp(theta) R_true, theta' = -R (bias + C gyro), velocity' = gravity x tilt - A.
+Errors are estimate less truth: R_est = Exp(theta) R_true, theta' = -R (bias + C gyro), velocity' = gravity x tilt - R accel_bias.
 """
 
 import math
@@ -16,8 +16,11 @@ _MISSING_NOISE = 1.0
 # m/s: how fast what seems to stay about its place may yet creep on.
 _CREEP = 0.1
 
-# rad: a turn by which errors fixed to the body point elsewhere in N; s: how long they stay where it does not turn.
-_ELSEWHERE, _LASTING = 1.0, 100.0
+# rad: a turn by which iron on the body points elsewhere in N.
+_ELSEWHERE = 1.0
+
+# s: in which an accelerometer's bias may change by as much as it has.
+_LASTING = 1000.0
 
 
 @kernel
@@ -27,13 +30,21 @@ def propagate(state: Array, params: Array, P: Array) -> None:
     for k in range(3 * at.CONSTANTS):
         state[turn + k] = state[at.TURN + k]
     seconds = state[at.CHANGE_FORCE] = state[at.ACCEL_TIME]
+    state[at.CHANGE_LENGTH] = state[at.LENGTH]
+    share = seconds / state[at.LENGTH]
     _fade(state, params)
     # True gravity rather than the force that was seen: an answer that stands on its head must not find itself
     # at rest there. Velocity first, for it grows with the tilt that was there at the beginning.
     g = GRAVITY * seconds
     for j in range(n):
-        P[at.V, j] += g * P[1, j] - seconds * P[at.A, j]
-        P[at.V + 1, j] -= g * P[0, j] + seconds * P[at.A + 1, j]
+        P[at.V, j] += g * P[1, j]
+        P[at.V + 1, j] -= g * P[0, j]
+    # What a gyro bias turns by, an accelerometer bias pushes by: both are fixed to the sensor.
+    for i in range(2):
+        for k in range(3):
+            f = share * state[turn + at.CONSTANTS * i + k]
+            for j in range(n):
+                P[at.V + i, j] += f * P[at.A + k, j]
     for i in range(3):
         for k in range(at.CONSTANTS):
             f = state[turn + at.CONSTANTS * i + k]
@@ -43,24 +54,27 @@ def propagate(state: Array, params: Array, P: Array) -> None:
         for i in range(3):
             P[at.U + i, j] *= state[at.CHANGE_KEPT]
         P[at.D, j] *= state[at.CHANGE_KEPT + 1]
-        P[at.A, j] *= state[at.CHANGE_KEPT + 2]
-        P[at.A + 1, j] *= state[at.CHANGE_KEPT + 2]
+    # F P is done, and (F P) F^T differs from it in the columns of what changes only.
     for j in range(n):
-        P[j, at.V] += g * P[j, 1] - seconds * P[j, at.A]
-        P[j, at.V + 1] -= g * P[j, 0] + seconds * P[j, at.A + 1]
+        P[j, at.V] += g * P[j, 1]
+        P[j, at.V + 1] -= g * P[j, 0]
+        for i in range(2):
+            for k in range(3):
+                P[j, at.V + i] += share * state[turn + at.CONSTANTS * i + k] * P[j, at.A + k]
         for i in range(3):
             for k in range(at.CONSTANTS):
                 P[j, i] += state[turn + at.CONSTANTS * i + k] * P[j, at.B + k]
             P[j, at.U + i] *= state[at.CHANGE_KEPT]
         P[j, at.D] *= state[at.CHANGE_KEPT + 1]
-        P[j, at.A] *= state[at.CHANGE_KEPT + 2]
-        P[j, at.A + 1] *= state[at.CHANGE_KEPT + 2]
+    for a in range(n):
+        for b in range(a):
+            P[b, a] = P[a, b]
     _add_noise(state, params, P)
 
 
 @kernel
 def _fade(state: Array, params: Array) -> None:
-    """What share is kept of travel, of the field's turn and of the force's error; the estimates keep as much."""
+    """What share is kept of travel and of the field's turn; the estimates keep as much."""
     dt = state[at.LENGTH]
     turned = math.sqrt(dt * state[at.GYRO_SQUARES]) / _ELSEWHERE
     state[at.CHANGE_KEPT] = math.exp(-dt / params[at.TRAVEL_TIME])
@@ -68,12 +82,9 @@ def _fade(state: Array, params: Array) -> None:
     calm = state[at.SPREAD] <= 4.0 * params[at.FIELD_SPREAD] ** 2
     lasting = params[at.FIELD_TIME_CONSTANT] if calm else params[at.FIELD_RELEASE]
     state[at.CHANGE_KEPT + 1] = math.exp(-dt / lasting - turned)
-    state[at.CHANGE_KEPT + 2] = math.exp(-dt / _LASTING - turned)
     for i in range(3):
         state[at.TRAVEL + i] *= state[at.CHANGE_KEPT]
     state[at.TURNED] *= state[at.CHANGE_KEPT + 1]
-    for i in range(2):
-        state[at.PUSHED + i] *= state[at.CHANGE_KEPT + 2]
 
 
 @kernel
@@ -93,8 +104,8 @@ def _add_noise(state: Array, params: Array, P: Array) -> None:
     for i in range(at.C, at.C + 9):
         P[i, i] += dt * params[at.SCALE_DRIFT] ** 2
     P[at.D, at.D] += state[at.SPREAD] * (1.0 - state[at.CHANGE_KEPT + 1] ** 2)
-    for i in range(at.A, at.A + 2):
-        P[i, i] += params[at.FORCE_SPREAD] ** 2 * (1.0 - state[at.CHANGE_KEPT + 2] ** 2)
+    for i in range(at.A, at.A + 3):
+        P[i, i] += dt * params[at.ACCEL_SPREAD] ** 2 / _LASTING
 
 
 @kernel

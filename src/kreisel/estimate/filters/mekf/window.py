@@ -81,8 +81,10 @@ def _correct(state: Array, params: Array) -> float:
     propagate(state, params, P)
     flags = 0.0
     if params[at.DOF] > 0.0:
+        share = state[at.ACCEL_TIME] / state[at.LENGTH]
         for i in range(2):
-            state[at.VELOCITY + i] += state[at.FORCE_SUM + i] - state[at.PUSHED + i] * state[at.ACCEL_TIME]
+            pushed = dot(load(state, at.TURN + at.CONSTANTS * i), load(state, at.ACCEL_BIAS))
+            state[at.VELOCITY + i] += state[at.FORCE_SUM + i] + pushed * share
         rest = watch_rest(state, params, P)
         observe_velocity(state, params, P, rest)
         flags = float(at.REST) if rest else 0.0
@@ -100,10 +102,10 @@ def _take_back(state: Array) -> None:
     x = at.CORRECTION
     for i in range(2):
         state[at.VELOCITY + i] -= state[x + at.V + i]
-        state[at.PUSHED + i] -= state[x + at.A + i]
     for i in range(3):
         state[at.TRAVEL + i] -= state[x + at.U + i]
         state[at.GYRO_BIAS + i] -= state[x + at.B + i]
+        state[at.ACCEL_BIAS + i] -= state[x + at.A + i]
     for i in range(9):
         state[at.SCALE + i] -= state[x + at.C + i]
     state[at.TURNED] -= state[x + at.D]
