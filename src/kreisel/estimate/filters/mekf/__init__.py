@@ -47,6 +47,7 @@ class MekfFilter:
     field_noise: float = 0.03
     field_release: float = 2.0
     field_memory: float = 20.0
+    lag_spread: float = 0.003
     tail: float = 4.0
     rest_gyro: float = math.radians(1.0)
     rest_accel: float = 0.3
@@ -76,7 +77,7 @@ class MekfFilter:
     def _first_sigmas(self, given: bool) -> list[float]:
         tilt, heading = (_GIVEN_TILT, _GIVEN_HEADING) if given else (_FIRST_TILT, _FIRST_HEADING)
         constants = [self.bias_spread] * 3 + [self.scale_spread] * 9
-        here = [self.field_spread, *[self.accel_spread] * 3]
+        here = [self.field_spread, *[self.accel_spread] * 3, self.lag_spread]
         return [tilt, tilt, heading, 0.5, 0.5, *[1.0] * 3, *constants, *here]
 
     def parameters(self) -> Array:
@@ -104,6 +105,7 @@ class MekfFilter:
             at.FIELD_RELEASE: self.field_release,
             at.FIELD_MEMORY: self.field_memory,
             at.TAIL: self.tail,
+            at.LAG_SPREAD: self.lag_spread,
             at.REST_GYRO: self.rest_gyro,
             at.REST_ACCEL: self.rest_accel,
         }

@@ -119,6 +119,8 @@ def _back(change: Array, x: Array) -> None:
     for k in range(3):
         for i in range(2):
             x[at.A + k] += seconds / length * change[at.CONSTANTS * i + k] * x[at.V + i]
+    for i in range(2):
+        x[at.L] += change[at.CHANGE_LAG - at.CHANGE + i] * x[at.V + i]
     x[1] += GRAVITY * seconds * x[at.V]
     x[0] -= GRAVITY * seconds * x[at.V + 1]
     for i in range(3):

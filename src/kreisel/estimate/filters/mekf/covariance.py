@@ -39,6 +39,10 @@ def propagate(state: Array, params: Array, P: Array) -> None:
     for j in range(n):
         P[at.V, j] += g * P[1, j]
         P[at.V + 1, j] -= g * P[0, j]
+    for i in range(2):
+        state[at.CHANGE_LAG + i] = -state[at.LAG_SUM + i]
+        for j in range(n):
+            P[at.V + i, j] += state[at.CHANGE_LAG + i] * P[at.L, j]
     # What a gyro bias turns by, an accelerometer bias pushes by: both are fixed to the sensor.
     for i in range(2):
         for k in range(3):
@@ -59,6 +63,7 @@ def propagate(state: Array, params: Array, P: Array) -> None:
         P[j, at.V] += g * P[j, 1]
         P[j, at.V + 1] -= g * P[j, 0]
         for i in range(2):
+            P[j, at.V + i] += state[at.CHANGE_LAG + i] * P[j, at.L]
             for k in range(3):
                 P[j, at.V + i] += share * state[turn + at.CONSTANTS * i + k] * P[j, at.A + k]
         for i in range(3):

@@ -129,6 +129,7 @@ def _begin_anew(state: Array, parameters: Array, answers: Array, errors: Array, 
     state[at.GYRO_BIAS : at.GYRO_BIAS + 3] = answers[0, at.GYRO_BIAS : at.GYRO_BIAS + 3]
     state[at.SCALE : at.SCALE + 9] -= errors[at.C : at.C + 9]
     state[at.LEVELLED], state[at.FLAGS], state[at.CALM] = 1.0, 0.0, 0.0
+    state[at.LAG] -= errors[at.L]
     seen = np.flatnonzero(np.isfinite(mag).all(axis=1))
     if not len(seen) or parameters[at.DOF] != 9.0:
         return

@@ -44,8 +44,9 @@ def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, 
     if (waits and start(state, params, accel, mag)) or not dt > 0.0:
         return
     state[at.FLAGS] = state[at.CALM]
-    latest = load(state, at.RATE)
+    latest, lag = load(state, at.RATE), 0.0
     if is_rate(gyro):
+        lag = state[at.LAG] if state[at.GAP] == 0.0 else 0.0
         state[at.GAP] = 0.0
         store(state, at.RATE, gyro)
     else:
@@ -56,6 +57,7 @@ def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, 
     rows = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
     false = combined(turn, load(state, at.SCALE), load(state, at.SCALE + 3), load(state, at.SCALE + 6))
     theta = added(added(turn, -1.0, false), -dt, load(state, at.GYRO_BIAS))
+    theta = added(theta, -lag, added(gyro, -1.0, latest))
     theta = added(theta, params[at.CONING] * dt * dt, cross(latest, gyro))
     east, north, up = _turned(rows, theta)
     store(state, at.R_NS, east)
@@ -72,6 +74,9 @@ def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, 
         state[at.FORCE_SUM + 1] += dt * dot(north, accel)
         store(state, at.ACCEL_SUM, added(load(state, at.ACCEL_SUM), dt, accel))
         state[at.ACCEL_SQUARES] += dt * a2
+        pushed = cross(gyro, accel)
+        state[at.LAG_SUM] += dt * dot(east, pushed)
+        state[at.LAG_SUM + 1] += dt * dot(north, pushed)
         state[at.ACCEL_TIME] += dt
     if 0.0 < dot(mag, mag) < math.inf:
         old = load(state, at.LATEST_MAG)

@@ -22,6 +22,7 @@ from kreisel.maths.vectors import (
     dot,
     load,
     rotated,
+    scaled,
     store,
     unit,
 )
@@ -66,7 +67,7 @@ def _close_window(state: Array, params: Array) -> None:
     state[at.CHANGE_FORCE] = at.NOTHING
     if state[at.LEVELLED] == 1.0:
         state[at.CALM] = _correct(state, params)
-        turn_world(state, (-state[at.CORRECTION], -state[at.CORRECTION + 1], -state[at.CORRECTION + 2]))
+        turn_world(state, scaled(-1.0, load(state, at.CORRECTION)))
     state[at.WINDOWS] += 1.0
     for i in range(at.SUMS, at.SUMS_END):
         state[i] = 0.0
@@ -98,7 +99,7 @@ def _correct(state: Array, params: Array) -> float:
 
 @kernel
 def _take_back(state: Array) -> None:
-    """Take the errors that were found from all but the attitude."""
+    """Take the errors that were found from all but the attitude, which waits for them in CORRECTION."""
     x = at.CORRECTION
     for i in range(2):
         state[at.VELOCITY + i] -= state[x + at.V + i]
@@ -109,6 +110,12 @@ def _take_back(state: Array) -> None:
     for i in range(9):
         state[at.SCALE + i] -= state[x + at.C + i]
     state[at.TURNED] -= state[x + at.D]
+    # Another lag is another moment of the turn.
+    sooner = state[x + at.L]
+    state[at.LAG] -= sooner
+    rate = load(state, at.RATE)
+    for i in range(3):
+        state[x + i] -= sooner * dot(load(state, at.R_NS + 3 * i), rate)
 
 
 @kernel
