@@ -34,10 +34,10 @@ class MekfFilter:
     gyro_noise: float = math.radians(0.05)
     rate_noise: float = 5e-4
     bias_spread: float = math.radians(0.5)
-    bias_drift: float = math.radians(0.007)
+    bias_drift: float = math.radians(0.01)
     scale_spread: float = 0.004
     scale_drift: float = 1e-5
-    velocity_least: float = 0.5
+    velocity_least: float = 0.35
     velocity_most: float = 2.0
     travel_spread: float = 1.0
     travel_time: float = 10.0
@@ -48,6 +48,7 @@ class MekfFilter:
     field_release: float = 2.0
     field_memory: float = 20.0
     lag_spread: float = 0.003
+    span: float = 0.5
     tail: float = 4.0
     rest_gyro: float = math.radians(1.0)
     rest_accel: float = 0.3
@@ -77,7 +78,7 @@ class MekfFilter:
     def _first_sigmas(self, given: bool) -> list[float]:
         tilt, heading = (_GIVEN_TILT, _GIVEN_HEADING) if given else (_FIRST_TILT, _FIRST_HEADING)
         constants = [self.bias_spread] * 3 + [self.scale_spread] * 9
-        here = [self.field_spread, *[self.accel_spread] * 3, self.lag_spread]
+        here = [self.field_spread, *[self.accel_spread] * 3, self.lag_spread, 0.0, 0.0]
         return [tilt, tilt, heading, 0.5, 0.5, *[1.0] * 3, *constants, *here]
 
     def parameters(self) -> Array:
@@ -105,6 +106,7 @@ class MekfFilter:
             at.FIELD_RELEASE: self.field_release,
             at.FIELD_MEMORY: self.field_memory,
             at.TAIL: self.tail,
+            at.SPAN_LENGTH: self.span,
             at.LAG_SPREAD: self.lag_spread,
             at.REST_GYRO: self.rest_gyro,
             at.REST_ACCEL: self.rest_accel,

@@ -113,6 +113,8 @@ def _back(change: Array, x: Array) -> None:
     """x <- F^T x, for the F that `propagate` has."""
     seconds = change[at.CHANGE_FORCE - at.CHANGE]
     length, kept = change[at.CHANGE_LENGTH - at.CHANGE], at.CHANGE_KEPT - at.CHANGE
+    for i in range(2):
+        x[at.V + i] += length * x[at.S + i]
     for k in range(at.CONSTANTS):
         for i in range(3):
             x[at.B + k] += change[at.CONSTANTS * i + k] * x[i]
@@ -125,4 +127,8 @@ def _back(change: Array, x: Array) -> None:
     x[0] -= GRAVITY * seconds * x[at.V + 1]
     for i in range(3):
         x[at.U + i] *= change[kept]
+        for j in range(2):
+            x[at.U + i] += change[at.CONSTANTS * j + i] * x[at.S + j]
     x[at.D] *= change[kept + 1]
+    for j in range(2):
+        x[at.S + j] *= change[kept + 2]

@@ -8,7 +8,7 @@ import math
 from kreisel.estimate.filters.dcm.covariance import GRAVITY
 from kreisel.estimate.filters.mekf import layout as at
 from kreisel.maths.kernels import kernel
-from kreisel.maths.vectors import Array
+from kreisel.maths.vectors import Array, load
 
 # rad/s/sqrt(Hz): what is known of the rate while the gyro is missing.
 _MISSING_NOISE = 1.0
@@ -49,6 +49,12 @@ def propagate(state: Array, params: Array, P: Array) -> None:
             f = share * state[turn + at.CONSTANTS * i + k]
             for j in range(n):
                 P[at.V + i, j] += f * P[at.A + k, j]
+    dt, kept = state[at.LENGTH], state[at.CHANGE_KEPT + 2]
+    for i in range(2):
+        x, y, z = load(state, turn + at.CONSTANTS * i)
+        for j in range(n):
+            P[at.S + i, j] = kept * P[at.S + i, j] + dt * P[at.V + i, j]
+            P[at.S + i, j] += x * P[at.U, j] + y * P[at.U + 1, j] + z * P[at.U + 2, j]
     for i in range(3):
         for k in range(at.CONSTANTS):
             f = state[turn + at.CONSTANTS * i + k]
@@ -66,6 +72,10 @@ def propagate(state: Array, params: Array, P: Array) -> None:
             P[j, at.V + i] += state[at.CHANGE_LAG + i] * P[j, at.L]
             for k in range(3):
                 P[j, at.V + i] += share * state[turn + at.CONSTANTS * i + k] * P[j, at.A + k]
+        for i in range(2):
+            x, y, z = load(state, turn + at.CONSTANTS * i)
+            P[j, at.S + i] = kept * P[j, at.S + i] + dt * P[j, at.V + i]
+            P[j, at.S + i] += x * P[j, at.U] + y * P[j, at.U + 1] + z * P[j, at.U + 2]
         for i in range(3):
             for k in range(at.CONSTANTS):
                 P[j, i] += state[turn + at.CONSTANTS * i + k] * P[j, at.B + k]
@@ -87,6 +97,7 @@ def _fade(state: Array, params: Array) -> None:
     calm = state[at.SPREAD] <= 4.0 * params[at.FIELD_SPREAD] ** 2
     lasting = params[at.FIELD_TIME_CONSTANT] if calm else params[at.FIELD_RELEASE]
     state[at.CHANGE_KEPT + 1] = math.exp(-dt / lasting - turned)
+    state[at.CHANGE_KEPT + 2] = 0.0 if state[at.SPAN] == 0.0 else 1.0
     for i in range(3):
         state[at.TRAVEL + i] *= state[at.CHANGE_KEPT]
     state[at.TURNED] *= state[at.CHANGE_KEPT + 1]

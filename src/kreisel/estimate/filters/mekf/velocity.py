@@ -25,13 +25,18 @@ _SLOW, _JUDGED = 2.0, 15.0
 def observe_velocity(state: Array, params: Array, P: Array, rest: bool) -> None:
     """Velocity is travel, give or take what a body moves; a window without samples does not say so again."""
     seconds = state[at.ACCEL_TIME]
-    if not seconds > 0.0:
-        return
-    noise2 = _REST_NOISE**2 if rest else _noise2(state, params)
-    for i in range(2):
-        _observe(state, P, i, noise2 / seconds, rest)
-    if not rest:
-        _judge(state, seconds)
+    if rest and seconds > 0.0:
+        for i in range(2):
+            _observe(state, P, i, _REST_NOISE**2 / seconds)
+        state[at.SPAN] = 0.0
+    elif state[at.SPAN] >= params[at.SPAN_LENGTH] - 1e-6:
+        noise2 = _noise2(state, params)
+        for i in range(2):
+            state[row_of_next(state) + at.S + i] = 1.0
+            known, own = look(state, P)
+            take(state, P, state[at.MADE + i] - known, own + noise2 * state[at.SPAN])
+        _judge(state, state[at.SPAN])
+        state[at.SPAN] = 0.0
 
 
 @kernel
@@ -49,14 +54,15 @@ def _judge(state: Array, seconds: float) -> None:
     k = 1.0 - math.exp(-seconds / _SLOW)
     now = 0.0
     for i in range(2):
-        state[at.SURPRISE + i] += k * (state[last - (1 - i) * at.OBSERVATION] - state[at.SURPRISE + i])
+        surprise = state[last - (1 - i) * at.OBSERVATION] / seconds
+        state[at.SURPRISE + i] += k * (surprise - state[at.SURPRISE + i])
         # White noise of density N^2 has the variance N^2 / (2 time constant) after a low-pass of first order.
         now += _SLOW * state[at.SURPRISE + i] ** 2
     state[at.ROAMING] += (1.0 - math.exp(-seconds / _JUDGED)) * (now - state[at.ROAMING])
 
 
 @kernel
-def _observe(state: Array, P: Array, i: int, variance: float, rest: bool) -> None:
+def _observe(state: Array, P: Array, i: int, variance: float) -> None:
     """Velocity i is the travel's, to `variance`. Rest may be steady travel: no sensor can tell."""
     up = load(state, at.R_NS + 3 * i)
     row = row_of_next(state)
@@ -66,7 +72,7 @@ def _observe(state: Array, P: Array, i: int, variance: float, rest: bool) -> Non
     known, own = look(state, P)
     surprise = state[at.VELOCITY + i] - dot(up, load(state, at.TRAVEL)) - known
     variance += own
-    if rest and surprise**2 > _GATE**2 * variance:
+    if surprise**2 > _GATE**2 * variance:
         # The travel may have changed by as much along each axis.
         for j in range(3):
             P[at.U + j, at.U + j] += surprise**2

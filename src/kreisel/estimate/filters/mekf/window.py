@@ -79,6 +79,10 @@ def _correct(state: Array, params: Array) -> float:
     """Find the errors and take them from all but the attitude; the flags of this window."""
     n = at.ERRORS
     P = state[at.COVARIANCE : at.COVARIANCE + n * n].reshape(n, n)
+    way = (
+        dot(load(state, at.TURN), load(state, at.TRAVEL)),
+        dot(load(state, at.TURN + at.CONSTANTS), load(state, at.TRAVEL)),
+    )
     propagate(state, params, P)
     flags = 0.0
     if params[at.DOF] > 0.0:
@@ -86,6 +90,9 @@ def _correct(state: Array, params: Array) -> float:
         for i in range(2):
             pushed = dot(load(state, at.TURN + at.CONSTANTS * i), load(state, at.ACCEL_BIAS))
             state[at.VELOCITY + i] += state[at.FORCE_SUM + i] + pushed * share
+            begun = state[at.MADE + i] if state[at.SPAN] > 0.0 else 0.0
+            state[at.MADE + i] = begun + state[at.LENGTH] * state[at.VELOCITY + i] + way[i]
+        state[at.SPAN] += state[at.LENGTH]
         rest = watch_rest(state, params, P)
         observe_velocity(state, params, P, rest)
         flags = float(at.REST) if rest else 0.0
@@ -103,6 +110,7 @@ def _take_back(state: Array) -> None:
     x = at.CORRECTION
     for i in range(2):
         state[at.VELOCITY + i] -= state[x + at.V + i]
+        state[at.MADE + i] -= state[x + at.S + i]
     for i in range(3):
         state[at.TRAVEL + i] -= state[x + at.U + i]
         state[at.GYRO_BIAS + i] -= state[x + at.B + i]
