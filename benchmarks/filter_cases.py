@@ -188,13 +188,13 @@ def magnets(rng: np.random.Generator, t: Array, field: str) -> tuple[Array, Arra
     return in_N, in_S
 
 
-def motion(kind: str, number: int) -> Motion:
+def motion(kind: str, number: int, seconds: float = SECONDS) -> Motion:
     """One random motion; its sampling rate is drawn as well."""
     rng = np.random.default_rng([number, list(MOTIONS).index(kind)])
-    dense = np.arange(round(SECONDS * DENSE_HZ) + 1) / DENSE_HZ
+    dense = np.arange(round(seconds * DENSE_HZ) + 1) / DENSE_HZ
     p, R = MOTIONS[kind](rng, dense)
     rate = rng.choice([100.0, 200.0])
-    t = np.arange(round(SECONDS * rate)) / rate
+    t = np.arange(round(seconds * rate)) / rate
     return SampledTrajectory(dense, p, R, method="spline").sample(t)
 
 

@@ -22,6 +22,10 @@ _FIRST_TILT, _FIRST_HEADING = math.radians(20.0), math.radians(60.0)
 _GIVEN_TILT, _GIVEN_HEADING = math.radians(2.0), math.radians(5.0)
 
 
+# m/s/sqrt(Hz): noise of the velocity before any has been seen.
+_FIRST_ROAMING = 0.5
+
+
 @dataclass(frozen=True, slots=True)
 class MekfFilter:
     """The error-state filter."""
@@ -50,6 +54,7 @@ class MekfFilter:
     lag_spread: float = 0.003
     span: float = 0.5
     tail: float = 4.0
+
     rest_gyro: float = math.radians(1.0)
     rest_accel: float = 0.3
 
@@ -72,7 +77,7 @@ class MekfFilter:
         state[at.COVARIANCE : at.COVARIANCE + at.ERRORS**2] = np.diag(np.square(sigmas)).ravel()
         state[at.SIGMA : at.SIGMA + 3] = sigmas[:3]
         state[at.SPREAD] = sigmas[at.D] ** 2
-        state[at.ROAMING] = 0.4**2
+        state[at.ROAMING] = _FIRST_ROAMING**2
         return state
 
     def _first_sigmas(self, given: bool) -> list[float]:

@@ -34,7 +34,9 @@ def observe_velocity(state: Array, params: Array, P: Array, rest: bool) -> None:
         for i in range(2):
             state[row_of_next(state) + at.S + i] = 1.0
             known, own = look(state, P)
-            take(state, P, state[at.MADE + i] - known, own + noise2 * state[at.SPAN])
+            surprise, variance = state[at.MADE + i] - known, own + noise2 * state[at.SPAN]
+            tail = params[at.TAIL]
+            take(state, P, surprise, variance * max(1.0, (tail + surprise**2 / variance) / (tail + 1.0)))
         _judge(state, state[at.SPAN])
         state[at.SPAN] = 0.0
 
