@@ -11,6 +11,7 @@ import numpy as np
 from kreisel.data.checks import choice, finite, rotations, shaped
 from kreisel.estimate.filters.mekf import layout as at
 from kreisel.estimate.filters.mekf import step
+from kreisel.estimate.filters.dcm.covariance import GRAVITY
 from kreisel.maths.vectors import Array
 
 Mode = Literal["auto", "9", "6", "gyro"]
@@ -77,6 +78,7 @@ class MekfFilter:
         state[at.COVARIANCE : at.COVARIANCE + at.ERRORS**2] = np.diag(np.square(sigmas)).ravel()
         state[at.SIGMA : at.SIGMA + 3] = sigmas[:3]
         state[at.SPREAD] = sigmas[at.D] ** 2
+        state[at.MEAN_FORCE + 2] = GRAVITY
         state[at.ROAMING] = _FIRST_ROAMING**2
         return state
 

@@ -24,10 +24,14 @@ _PARTS = 4.0
 # How much wider than FIELD_SPREAD the world's field may spread through a room.
 _ROOM = 2.0
 
+# How many times that a field differs which is another one.
+_ELSEWHERE = 4.0
+
 # Standard deviations beyond which the field contradicts the heading; s of that, with norm and dip as they should be,
 # after which it is the heading that is wrong.
 _CONTRADICTION = 4.0
 _PATIENCE = 10.0
+_PLAIN = 5.0  # doubt up to which norm and dip are as they should be
 
 # s: a tilt's error counts once in this time.
 _TILT_TIME = 10.0
@@ -47,9 +51,10 @@ def observe_field(state: Array, params: Array, P: Array, rest: bool) -> float:
     level = math.hypot(east, north)
     tilt = 0.5 * (P[0, 0] + P[1, 1])
     if tilt > _LEVEL**2:
-        # What is not level knows neither heading nor dip: let both follow this window.
+        # What is not level knows neither heading nor dip: let both follow this window, the dip until one was learned.
         P[2, 2] += 1.0
-        state[at.FIELD_TIME] = 0.0
+        if state[at.FIELD_TIME] < params[at.FIELD_MEMORY]:
+            state[at.FIELD_TIME] = 0.0
     if state[at.FIELD_TIME] == 0.0:
         _begin(state, params, P, level, up)
     norm2 = state[at.FIELD] ** 2 + state[at.FIELD + 1] ** 2
@@ -63,8 +68,9 @@ def observe_field(state: Array, params: Array, P: Array, rest: bool) -> float:
     cos_d, sin_d = params[at.DECLINATION], params[at.DECLINATION + 1]
     error = math.atan2(sin_d * north - cos_d * east, cos_d * north + sin_d * east)
     _correct_heading(state, params, P, error, variance, doubt)
-    _learn(state, params, level, up, 1.0 / doubt)
-    if not rest:
+    if tilt <= _LEVEL**2 or state[at.FIELD_TIME] == 0.0:
+        _learn(state, params, level, up, 1.0 / doubt)
+    if not rest and tilt <= _LEVEL**2:
         _reconsider(state, params, P, level, up)
     return at.DISTURBED if doubt > 2.0 else 0.0
 
@@ -94,8 +100,9 @@ def _correct_heading(
     before = state[at.CORRECTION + 2]
     take(state, P, surprise, variance * max(1.0, (tail + far2) / (tail + 1.0)))
     state[at.HEADING] -= state[at.CORRECTION + 2] - before
-    contradicts = far2 > _CONTRADICTION**2 and doubt < 2.0
-    state[at.CONTRARY] = state[at.CONTRARY] + state[at.LENGTH] if contradicts else 0.0
+    contradicts = far2 > _CONTRADICTION**2 and doubt < _PLAIN
+    state[at.CONTRARY] += state[at.LENGTH] if contradicts else -state[at.LENGTH]
+    state[at.CONTRARY] = max(state[at.CONTRARY], 0.0)
     if state[at.CONTRARY] > _PATIENCE:
         P[2, 2] += surprise**2
         state[at.CONTRARY] = 0.0
@@ -123,7 +130,7 @@ def _deviation(state: Array, params: Array, level: float, up: float) -> float:
     dipped = norm * (math.atan2(up, level) - math.atan2(state[at.FIELD + 1], state[at.FIELD]))
     released = state[at.DEVIATION] * math.exp(-state[at.LENGTH] / params[at.FIELD_RELEASE])
     # What disturbed a moment ago is still near.
-    state[at.DEVIATION] = max(released, 0.5 * (stretched**2 + dipped**2))
+    state[at.DEVIATION] = max(released, min(0.5 * (stretched**2 + dipped**2), norm**2))
     return state[at.DEVIATION]
 
 
@@ -148,6 +155,9 @@ def _reconsider(state: Array, params: Array, P: Array, level: float, up: float) 
     room2 = (_ROOM * params[at.FIELD_SPREAD]) ** 2 * (level**2 + up**2)
     k = min(1.0, _PARTS * state[at.LENGTH] / params[at.FIELD_MEMORY])
     a, b = level - state[at.CANDIDATE], up - state[at.CANDIDATE + 1]
+    if 0.5 * (a * a + b * b) > _ELSEWHERE**2 * room2:
+        state[at.CANDIDATE], state[at.CANDIDATE + 1], state[at.CANDIDATE + 2] = level, up, room2
+        state[at.STEADY] = a = b = 0.0
     state[at.CANDIDATE] += k * a
     state[at.CANDIDATE + 1] += k * b
     state[at.CANDIDATE + 2] += k * (0.5 * (a * a + b * b) - state[at.CANDIDATE + 2])

@@ -25,6 +25,14 @@ from kreisel.maths.vectors import (
 # m/s^2: 50 g; what is beyond is a blow that no average survives, or a fault.
 _NO_FORCE = 500.0
 
+# uT: a hundred Earth's fields and more, beside which nobody looks for north; or a fault.
+_NO_FIELD = 1e4
+
+# rad/s: a rate that is the same to the last bit and larger than that is where a gyro's range ends, once it has lasted
+# this long, s.
+_FAST = 0.5
+_CLIPPED = 0.05
+
 
 @inlined
 def _turned(rows: tuple[Vector, Vector, Vector], theta: Vector) -> tuple[Vector, Vector, Vector]:
@@ -38,6 +46,14 @@ def _turned(rows: tuple[Vector, Vector, Vector], theta: Vector) -> tuple[Vector,
 
 
 @inlined
+def is_clipped(gyro: Vector, latest: Vector) -> bool:
+    """Whether any axis reads the same large rate as the sample before."""
+    x = gyro[0] == latest[0] and abs(gyro[0]) > _FAST
+    y = gyro[1] == latest[1] and abs(gyro[1]) > _FAST
+    return x or y or (gyro[2] == latest[2] and abs(gyro[2]) > _FAST)
+
+
+@inlined
 def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, dt: float) -> None:
     """Move `state` over the `dt` seconds that end with these samples."""
     waits = state[at.LEVELLED] == 0.0 or state[at.NORTHED] < params[at.START_NORTH]
@@ -48,6 +64,11 @@ def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, 
     if is_rate(gyro):
         lag = state[at.LAG] if state[at.GAP] == 0.0 else 0.0
         state[at.GAP] = 0.0
+        if is_clipped(gyro, latest):
+            state[at.CLIPPED] += dt
+            state[at.MISSING] += dt if state[at.CLIPPED] > _CLIPPED else 0.0
+        else:
+            state[at.CLIPPED] = 0.0
         store(state, at.RATE, gyro)
     else:
         gyro = bridge(state, params, dt)
@@ -72,13 +93,14 @@ def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, 
     if 0.0 < a2 < _NO_FORCE**2:
         state[at.FORCE_SUM] += dt * dot(east, accel)
         state[at.FORCE_SUM + 1] += dt * dot(north, accel)
+        state[at.FORCE_SUM + 2] += dt * dot(up, accel)
         store(state, at.ACCEL_SUM, added(load(state, at.ACCEL_SUM), dt, accel))
         state[at.ACCEL_SQUARES] += dt * a2
         pushed = cross(gyro, accel)
         state[at.LAG_SUM] += dt * dot(east, pushed)
         state[at.LAG_SUM + 1] += dt * dot(north, pushed)
         state[at.ACCEL_TIME] += dt
-    if 0.0 < dot(mag, mag) < math.inf:
+    if 0.0 < dot(mag, mag) < _NO_FIELD**2:
         old = load(state, at.LATEST_MAG)
         same = mag[0] == old[0] and mag[1] == old[1] and mag[2] == old[2]
         state[at.STUCK] = state[at.STUCK] + dt * math.sqrt(w2) if same else 0.0

@@ -37,7 +37,7 @@ def observe_velocity(state: Array, params: Array, P: Array, rest: bool) -> None:
             surprise, variance = state[at.MADE + i] - known, own + noise2 * state[at.SPAN]
             tail = params[at.TAIL]
             take(state, P, surprise, variance * max(1.0, (tail + surprise**2 / variance) / (tail + 1.0)))
-        _judge(state, state[at.SPAN])
+        _judge(state, params, state[at.SPAN])
         state[at.SPAN] = 0.0
 
 
@@ -50,7 +50,7 @@ def _noise2(state: Array, params: Array) -> float:
 
 
 @kernel
-def _judge(state: Array, seconds: float) -> None:
+def _judge(state: Array, params: Array, seconds: float) -> None:
     """Let this window's surprises into what is known of the noise."""
     last = at.OBSERVATIONS + (int(state[at.OBSERVED]) - 1) * at.OBSERVATION + 2 * at.ERRORS
     k = 1.0 - math.exp(-seconds / _SLOW)
@@ -60,6 +60,7 @@ def _judge(state: Array, seconds: float) -> None:
         state[at.SURPRISE + i] += k * (surprise - state[at.SURPRISE + i])
         # White noise of density N^2 has the variance N^2 / (2 time constant) after a low-pass of first order.
         now += _SLOW * state[at.SURPRISE + i] ** 2
+    now = min(now, params[at.VELOCITY_NOISE + 1] ** 2)
     state[at.ROAMING] += (1.0 - math.exp(-seconds / _JUDGED)) * (now - state[at.ROAMING])
 
 

@@ -10,22 +10,11 @@ import math
 from kreisel.estimate.filters.mekf import layout as at
 from kreisel.estimate.filters.mekf.covariance import propagate
 from kreisel.estimate.filters.mekf.field import observe_field
+from kreisel.estimate.filters.mekf.lost import begin_again, is_lost, turn_world
 from kreisel.estimate.filters.mekf.rest import watch_rest
 from kreisel.estimate.filters.mekf.velocity import observe_velocity
 from kreisel.maths.kernels import kernel
-from kreisel.maths.vectors import (
-    Array,
-    Vector,
-    added,
-    combined,
-    cross,
-    dot,
-    load,
-    rotated,
-    scaled,
-    store,
-    unit,
-)
+from kreisel.maths.vectors import Array, dot, load, scaled, store
 
 # The window is summed in this many parts where its effect on the attitude is linearised.
 _PARTS = 8.0
@@ -68,10 +57,24 @@ def _close_window(state: Array, params: Array) -> None:
     if state[at.LEVELLED] == 1.0:
         state[at.CALM] = _correct(state, params)
         turn_world(state, scaled(-1.0, load(state, at.CORRECTION)))
+        _look_after(state, params)
     state[at.WINDOWS] += 1.0
     for i in range(at.SUMS, at.SUMS_END):
         state[i] = 0.0
     state[at.MISSING] = 0.0
+
+
+@kernel
+def _look_after(state: Array, params: Array) -> None:
+    """Begin again where the answer is lost, and say how well it is known."""
+    n = at.ERRORS
+    P = state[at.COVARIANCE : at.COVARIANCE + n * n].reshape(n, n)
+    if params[at.DOF] > 0.0 and is_lost(state, P):
+        begin_again(state, P)
+        state[at.CHANGE_FORCE] = at.NOTHING
+        state[at.OBSERVED] = 0.0
+    for i in range(3):
+        state[at.SIGMA + i] = math.sqrt(P[i, i])
 
 
 @kernel
@@ -99,8 +102,6 @@ def _correct(state: Array, params: Array) -> float:
         if params[at.DOF] == 9.0 and state[at.MAG_COUNT] > 0.0:
             flags += observe_field(state, params, P, rest)
         _take_back(state)
-    for i in range(3):
-        state[at.SIGMA + i] = math.sqrt(P[i, i])
     return flags
 
 
@@ -124,17 +125,3 @@ def _take_back(state: Array) -> None:
     rate = load(state, at.RATE)
     for i in range(3):
         state[x + i] -= sooner * dot(load(state, at.R_NS + 3 * i), rate)
-
-
-@kernel
-def turn_world(state: Array, theta: Vector) -> None:
-    """R_NS <- Exp(theta) R_NS with theta in N, orthonormal to round-off."""
-    east, north, up = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
-    # Rows of Exp(theta) are the columns of Exp(-theta).
-    back = -theta[0], -theta[1], -theta[2]
-    new_east = unit(combined(rotated(back, (1.0, 0.0, 0.0)), east, north, up))
-    new_up = combined(rotated(back, (0.0, 0.0, 1.0)), east, north, up)
-    new_up = unit(added(new_up, -dot(new_up, new_east), new_east))
-    store(state, at.R_NS, new_east)
-    store(state, at.R_NS + 3, cross(new_up, new_east))
-    store(state, at.R_NS + 6, new_up)
