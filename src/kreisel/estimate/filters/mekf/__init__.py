@@ -24,7 +24,7 @@ _GIVEN_TILT, _GIVEN_HEADING = math.radians(2.0), math.radians(5.0)
 
 
 # m/s/sqrt(Hz): noise of the velocity before any has been seen.
-_FIRST_ROAMING = 0.5
+_FIRST_ROAMING = 0.4
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,16 +22,17 @@ _NEW = 0.3
 _PARTS = 4.0
 
 # How much wider than FIELD_SPREAD the world's field may spread through a room.
-_ROOM = 2.0
+_ROOM = 2.5
 
 # How many times that a field differs which is another one.
 _ELSEWHERE = 4.0
 
-# Standard deviations beyond which the field contradicts the heading; s of that, with norm and dip as they should be,
-# after which it is the heading that is wrong.
-_CONTRADICTION = 4.0
-_PATIENCE = 10.0
-_PLAIN = 5.0  # doubt up to which norm and dip are as they should be
+# Times of FIELD_MEMORY for which another field must have stayed.
+_PROOF = 1.5
+
+# s, over which errors of the heading are averaged; standard deviations beyond which their mean contradicts it.
+_PATIENCE = 15.0
+_CONTRADICTION = 3.0
 
 # s: a tilt's error counts once in this time.
 _TILT_TIME = 10.0
@@ -100,11 +101,19 @@ def _correct_heading(
     before = state[at.CORRECTION + 2]
     take(state, P, surprise, variance * max(1.0, (tail + far2) / (tail + 1.0)))
     state[at.HEADING] -= state[at.CORRECTION + 2] - before
-    contradicts = far2 > _CONTRADICTION**2 and doubt < _PLAIN
-    state[at.CONTRARY] += state[at.LENGTH] if contradicts else -state[at.LENGTH]
-    state[at.CONTRARY] = max(state[at.CONTRARY], 0.0)
-    if state[at.CONTRARY] > _PATIENCE:
-        P[2, 2] += surprise**2
+    _contradict(state, params, P, error, doubt)
+
+
+@kernel
+def _contradict(state: Array, params: Array, P: Array, error: float, doubt: float) -> None:
+    """A heading that trusted fields contradict for long is wrong, however well it seems to be known.
+
+    What turns a field differs from place to place and from one attitude to another: its mean over a while is small.
+    """
+    state[at.CONTRARY] += state[at.LENGTH] / (_PATIENCE * doubt) * (error - state[at.CONTRARY])
+    uneven2 = params[at.FIELD_SPREAD] ** 2 * (1.0 + (state[at.FIELD + 1] / (state[at.FIELD] + 1e-300)) ** 2)
+    if state[at.CONTRARY] ** 2 > _CONTRADICTION**2 * (P[2, 2] + min(uneven2, 1.0)):
+        P[2, 2] += state[at.CONTRARY] ** 2
         state[at.CONTRARY] = 0.0
 
 
@@ -163,7 +172,7 @@ def _reconsider(state: Array, params: Array, P: Array, level: float, up: float) 
     state[at.CANDIDATE + 2] += k * (0.5 * (a * a + b * b) - state[at.CANDIDATE + 2])
     state[at.STEADY] = state[at.STEADY] + state[at.LENGTH] if state[at.CANDIDATE + 2] < room2 else 0.0
     a, b = state[at.CANDIDATE] - state[at.FIELD], state[at.CANDIDATE + 1] - state[at.FIELD + 1]
-    if state[at.STEADY] > params[at.FIELD_MEMORY] and a * a + b * b > 2.0 * room2:
+    if state[at.STEADY] > _PROOF * params[at.FIELD_MEMORY] and a * a + b * b > 2.0 * room2:
         state[at.FIELD], state[at.FIELD + 1] = state[at.CANDIDATE], state[at.CANDIDATE + 1]
         P[2, 2] += min(1.0, (a * a + b * b) / (level**2 + 1e-300))
         state[at.DEVIATION] = state[at.STEADY] = 0.0
