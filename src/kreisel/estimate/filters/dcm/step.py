@@ -27,7 +27,7 @@ _NO_FORCE = 500.0
 
 
 @inlined
-def _turned(rows: tuple[Vector, Vector, Vector], theta: Vector) -> tuple[Vector, Vector, Vector]:
+def turned(rows: tuple[Vector, Vector, Vector], theta: Vector) -> tuple[Vector, Vector, Vector]:
     """Rows of R Exp(theta), given those of R."""
     x, y, z = theta
     s, c = exp_factors(dot(theta, theta))
@@ -57,7 +57,7 @@ def _step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector,
     false = combined(turn, load(state, at.SCALE), load(state, at.SCALE + 3), load(state, at.SCALE + 6))
     theta = added(added(turn, -1.0, false), -dt, load(state, at.GYRO_BIAS))
     theta = added(theta, params[at.CONING] * dt * dt, cross(latest, gyro))
-    east, north, up = _turned(rows, theta)
+    east, north, up = turned(rows, theta)
     store(state, at.R_NS, east)
     store(state, at.R_NS + 3, north)
     store(state, at.R_NS + 6, up)

@@ -5,10 +5,9 @@ no covariance is inverted. Source: Bierman 1973, "Fixed interval smoothing with 
 International Journal of Control 18 (1), 65-75.
 """
 
-import math
-
 from kreisel.estimate.filters.dcm.covariance import GRAVITY
 from kreisel.estimate.filters.mekf import layout as at
+from kreisel.estimate.filters.mekf.covariance import known_to
 from kreisel.maths.kernels import kernel
 from kreisel.maths.vectors import Array
 
@@ -67,7 +66,7 @@ def _sigma(row: Array, i: int, whole: Array) -> float:
         for b in range(at.ERRORS):
             inner += whole[a, b] * row[b]
         spent += row[a] * inner
-    return math.sqrt(max(row[i] - spent, _ROUND_OFF * row[i]))
+    return known_to(i, max(row[i] - spent, _ROUND_OFF * row[i]))
 
 
 @kernel

@@ -19,6 +19,9 @@ _CREEP = 0.1
 # rad: a turn by which iron on the body points elsewhere in N.
 _ELSEWHERE = 1.0
 
+# rad: what calibration leaves of an accelerometer's axes, as tilt.
+_AXES = 0.003
+
 # s: in which an accelerometer's bias may change by as much as it has.
 _LASTING = 1000.0
 
@@ -26,65 +29,58 @@ _LASTING = 1000.0
 @kernel
 def propagate(state: Array, params: Array, P: Array) -> None:
     """P <- F P F^T + Q over the window, and the estimates that fade do so; F is kept in CHANGE."""
-    n, turn = at.ERRORS, at.CHANGE
     for k in range(3 * at.CONSTANTS):
-        state[turn + k] = state[at.TURN + k]
-    seconds = state[at.CHANGE_FORCE] = state[at.ACCEL_TIME]
-    state[at.CHANGE_LENGTH] = state[at.LENGTH]
-    share = seconds / state[at.LENGTH]
-    _fade(state, params)
-    # True gravity rather than the force that was seen: an answer that stands on its head must not find itself
-    # at rest there. Velocity first, for it grows with the tilt that was there at the beginning.
-    g = GRAVITY * seconds
-    for j in range(n):
-        P[at.V, j] += g * P[1, j]
-        P[at.V + 1, j] -= g * P[0, j]
+        state[at.CHANGE + k] = state[at.TURN + k]
     for i in range(2):
         state[at.CHANGE_LAG + i] = -state[at.LAG_SUM + i]
-        for j in range(n):
-            P[at.V + i, j] += state[at.CHANGE_LAG + i] * P[at.L, j]
-    # What a gyro bias turns by, an accelerometer bias pushes by: both are fixed to the sensor.
+    state[at.CHANGE_FORCE] = state[at.ACCEL_TIME]
+    state[at.CHANGE_LENGTH] = state[at.LENGTH]
+    _fade(state, params)
+    _turn_rows(state[at.CHANGE : at.OBSERVED], P)
+    # F P is done. Its transpose is P F^T, of which the same rows make F P F^T.
+    _transpose(P)
+    _turn_rows(state[at.CHANGE : at.OBSERVED], P)
+    # Round-off must not make two halves of it.
+    for a in range(at.ERRORS):
+        for b in range(a):
+            P[b, a] = P[a, b]
+    _add_noise(state, params, P)
+
+
+@kernel
+def _transpose(P: Array) -> None:
+    for a in range(P.shape[0]):
+        for b in range(a):
+            P[a, b], P[b, a] = P[b, a], P[a, b]
+
+
+@kernel
+def _turn_rows(change: Array, P: Array) -> None:
+    """P <- F P: only rows of what changes are other ones."""
+    n = P.shape[0]
+    seconds, dt = change[at.CHANGE_FORCE - at.CHANGE], change[at.CHANGE_LENGTH - at.CHANGE]
+    kept, lag = at.CHANGE_KEPT - at.CHANGE, at.CHANGE_LAG - at.CHANGE
+    # True gravity rather than the force that was seen: an answer that stands on its head must not find itself
+    # at rest there. Velocity first, for it grows with the tilt that was there at the beginning.
+    g, share = GRAVITY * seconds, seconds / dt
     for i in range(2):
-        for k in range(3):
-            f = share * state[turn + at.CONSTANTS * i + k]
-            for j in range(n):
-                P[at.V + i, j] += f * P[at.A + k, j]
-    dt, kept = state[at.LENGTH], state[at.CHANGE_KEPT + 2]
-    for i in range(2):
-        x, y, z = load(state, turn + at.CONSTANTS * i)
+        x, y, z = load(change, at.CONSTANTS * i)
+        sign, tilt, pushed, way = (g, 1, change[lag], at.S) if i == 0 else (-g, 0, change[lag + 1], at.S + 1)
         for j in range(n):
-            P[at.S + i, j] = kept * P[at.S + i, j] + dt * P[at.V + i, j]
-            P[at.S + i, j] += x * P[at.U, j] + y * P[at.U + 1, j] + z * P[at.U + 2, j]
+            # What a gyro bias turns by, an accelerometer bias pushes by: both are fixed to the sensor.
+            a = x * P[at.A, j] + y * P[at.A + 1, j] + z * P[at.A + 2, j]
+            P[at.V + i, j] += sign * P[tilt, j] + pushed * P[at.L, j] + share * a
+            u = x * P[at.U, j] + y * P[at.U + 1, j] + z * P[at.U + 2, j]
+            P[way, j] = change[kept + 2] * P[way, j] + dt * P[at.V + i, j] + u
     for i in range(3):
         for k in range(at.CONSTANTS):
-            f = state[turn + at.CONSTANTS * i + k]
+            f = change[at.CONSTANTS * i + k]
             for j in range(n):
                 P[i, j] += f * P[at.B + k, j]
     for j in range(n):
         for i in range(3):
-            P[at.U + i, j] *= state[at.CHANGE_KEPT]
-        P[at.D, j] *= state[at.CHANGE_KEPT + 1]
-    # F P is done, and (F P) F^T differs from it in the columns of what changes only.
-    for j in range(n):
-        P[j, at.V] += g * P[j, 1]
-        P[j, at.V + 1] -= g * P[j, 0]
-        for i in range(2):
-            P[j, at.V + i] += state[at.CHANGE_LAG + i] * P[j, at.L]
-            for k in range(3):
-                P[j, at.V + i] += share * state[turn + at.CONSTANTS * i + k] * P[j, at.A + k]
-        for i in range(2):
-            x, y, z = load(state, turn + at.CONSTANTS * i)
-            P[j, at.S + i] = kept * P[j, at.S + i] + dt * P[j, at.V + i]
-            P[j, at.S + i] += x * P[j, at.U] + y * P[j, at.U + 1] + z * P[j, at.U + 2]
-        for i in range(3):
-            for k in range(at.CONSTANTS):
-                P[j, i] += state[turn + at.CONSTANTS * i + k] * P[j, at.B + k]
-            P[j, at.U + i] *= state[at.CHANGE_KEPT]
-        P[j, at.D] *= state[at.CHANGE_KEPT + 1]
-    for a in range(n):
-        for b in range(a):
-            P[b, a] = P[a, b]
-    _add_noise(state, params, P)
+            P[at.U + i, j] *= change[kept]
+        P[at.D, j] *= change[kept + 1]
 
 
 @kernel
@@ -122,6 +118,12 @@ def _add_noise(state: Array, params: Array, P: Array) -> None:
     P[at.D, at.D] += state[at.SPREAD] * (1.0 - state[at.CHANGE_KEPT + 1] ** 2)
     for i in range(at.A, at.A + 3):
         P[i, i] += dt * params[at.ACCEL_SPREAD] ** 2 / _LASTING
+
+
+@kernel
+def known_to(i: int, variance: float) -> float:
+    """The standard deviation of attitude error i with what no error here stands for: an accelerometer's axes and scale."""
+    return math.sqrt(variance + _AXES**2) if i < 2 else math.sqrt(variance)
 
 
 @kernel

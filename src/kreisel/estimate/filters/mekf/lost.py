@@ -6,10 +6,11 @@ over some seconds the mean of the specific force points up, and where it does no
 
 import math
 
+from kreisel.estimate.filters.dcm.covariance import GRAVITY
+from kreisel.estimate.filters.dcm.window import turn_world
 from kreisel.estimate.filters.mekf import layout as at
-from kreisel.estimate.filters.mekf.covariance import GRAVITY
 from kreisel.maths.kernels import kernel
-from kreisel.maths.vectors import Array, Vector, added, combined, cross, dot, load, rotated, scaled, store, unit
+from kreisel.maths.vectors import Array, Vector, dot, load, scaled, store, unit
 
 # s, over which the force is averaged.
 _TIME = 6.0
@@ -86,16 +87,3 @@ def _level(state: Array, up: Vector) -> None:
     # Upside down any axis will do.
     turn_world(state, scaled(angle, axis if dot(axis, axis) > 0.0 else (1.0, 0.0, 0.0)))
 
-
-@kernel
-def turn_world(state: Array, theta: Vector) -> None:
-    """R_NS <- Exp(theta) R_NS with theta in N, orthonormal to round-off."""
-    east, north, up = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
-    # Rows of Exp(theta) are the columns of Exp(-theta).
-    back = -theta[0], -theta[1], -theta[2]
-    new_east = unit(combined(rotated(back, (1.0, 0.0, 0.0)), east, north, up))
-    new_up = combined(rotated(back, (0.0, 0.0, 1.0)), east, north, up)
-    new_up = unit(added(new_up, -dot(new_up, new_east), new_east))
-    store(state, at.R_NS, new_east)
-    store(state, at.R_NS + 3, cross(new_up, new_east))
-    store(state, at.R_NS + 6, new_up)

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from kreisel.estimate.filters.dcm.window import turn_world
 from kreisel.estimate.filters.mekf import layout as at
 from kreisel.estimate.filters.mekf.backward import AFTER, BEFORE, FOUND, SIGMA, look_back
 from kreisel.estimate.filters.mekf.field import UNKNOWN
 from kreisel.estimate.filters.mekf.step import step
-from kreisel.estimate.filters.mekf.lost import turn_world
 from kreisel.maths.kernels import kernel
 from kreisel.maths.vectors import Array, added, load, scaled, store
 

@@ -3,24 +3,12 @@
 Each sample turns R_NS by Exp and adds to the sums of a short window, which corrects the attitude when it closes.
 """
 
-import math
-
-from kreisel.estimate.filters.mekf import layout as at
 from kreisel.estimate.filters.dcm.start import bridge, is_rate, start
+from kreisel.estimate.filters.dcm.step import turned
+from kreisel.estimate.filters.mekf import layout as at
 from kreisel.estimate.filters.mekf.window import close_part
 from kreisel.maths.kernels import inlined, kernel
-from kreisel.maths.vectors import (
-    Array,
-    Vector,
-    added,
-    combined,
-    cross,
-    dot,
-    exp_factors,
-    load,
-    scaled,
-    store,
-)
+from kreisel.maths.vectors import Array, Rows, Vector, added, combined, cross, dot, load, norm, scaled, store
 
 # m/s^2: 50 g; what is beyond is a blow that no average survives, or a fault.
 _NO_FORCE = 500.0
@@ -35,18 +23,7 @@ _CLIPPED = 0.05
 
 
 @inlined
-def _turned(rows: tuple[Vector, Vector, Vector], theta: Vector) -> tuple[Vector, Vector, Vector]:
-    """Rows of R Exp(theta), given those of R."""
-    x, y, z = theta
-    s, c = exp_factors(dot(theta, theta))
-    e0 = 1.0 - c * (y * y + z * z), c * x * y - s * z, c * x * z + s * y
-    e1 = c * x * y + s * z, 1.0 - c * (x * x + z * z), c * y * z - s * x
-    e2 = c * x * z - s * y, c * y * z + s * x, 1.0 - c * (x * x + y * y)
-    return combined(rows[0], e0, e1, e2), combined(rows[1], e0, e1, e2), combined(rows[2], e0, e1, e2)
-
-
-@inlined
-def is_clipped(gyro: Vector, latest: Vector) -> bool:
+def _is_clipped(gyro: Vector, latest: Vector) -> bool:
     """Whether any axis reads the same large rate as the sample before."""
     x = gyro[0] == latest[0] and abs(gyro[0]) > _FAST
     y = gyro[1] == latest[1] and abs(gyro[1]) > _FAST
@@ -64,11 +41,8 @@ def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, 
     if is_rate(gyro):
         lag = state[at.LAG] if state[at.GAP] == 0.0 else 0.0
         state[at.GAP] = 0.0
-        if is_clipped(gyro, latest):
-            state[at.CLIPPED] += dt
-            state[at.MISSING] += dt if state[at.CLIPPED] > _CLIPPED else 0.0
-        else:
-            state[at.CLIPPED] = 0.0
+        state[at.CLIPPED] = state[at.CLIPPED] + dt if _is_clipped(gyro, latest) else 0.0
+        state[at.MISSING] += dt if state[at.CLIPPED] > _CLIPPED else 0.0
         store(state, at.RATE, gyro)
     else:
         gyro = bridge(state, params, dt)
@@ -80,36 +54,47 @@ def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, 
     theta = added(added(turn, -1.0, false), -dt, load(state, at.GYRO_BIAS))
     theta = added(theta, -lag, added(gyro, -1.0, latest))
     theta = added(theta, params[at.CONING] * dt * dt, cross(latest, gyro))
-    east, north, up = _turned(rows, theta)
-    store(state, at.R_NS, east)
-    store(state, at.R_NS + 3, north)
-    store(state, at.R_NS + 6, up)
+    rows = turned(rows, theta)
+    store(state, at.R_NS, rows[0])
+    store(state, at.R_NS + 3, rows[1])
+    store(state, at.R_NS + 6, rows[2])
     state[at.LENGTH] += dt
     store(state, at.GYRO_SUM, added(load(state, at.GYRO_SUM), 1.0, turn))
-    w2 = dot(gyro, gyro)
-    state[at.GYRO_SQUARES] += dt * w2
-    a2 = dot(accel, accel)
-    # A dead sensor's zero and NaN fail here too.
-    if 0.0 < a2 < _NO_FORCE**2:
-        state[at.FORCE_SUM] += dt * dot(east, accel)
-        state[at.FORCE_SUM + 1] += dt * dot(north, accel)
-        state[at.FORCE_SUM + 2] += dt * dot(up, accel)
-        store(state, at.ACCEL_SUM, added(load(state, at.ACCEL_SUM), dt, accel))
-        state[at.ACCEL_SQUARES] += dt * a2
-        pushed = cross(gyro, accel)
-        state[at.LAG_SUM] += dt * dot(east, pushed)
-        state[at.LAG_SUM + 1] += dt * dot(north, pushed)
-        state[at.ACCEL_TIME] += dt
-    if 0.0 < dot(mag, mag) < _NO_FIELD**2:
-        old = load(state, at.LATEST_MAG)
-        same = mag[0] == old[0] and mag[1] == old[1] and mag[2] == old[2]
-        state[at.STUCK] = state[at.STUCK] + dt * math.sqrt(w2) if same else 0.0
-        store(state, at.LATEST_MAG, mag)
-        field = dot(east, mag), dot(north, mag), dot(up, mag)
-        store(state, at.MAG_SUM, added(load(state, at.MAG_SUM), 1.0, field))
-        state[at.MAG_COUNT] += 1.0
+    state[at.GYRO_SQUARES] += dt * dot(gyro, gyro)
+    _sum_force(state, rows, gyro, accel, dt)
+    _sum_field(state, rows, gyro, mag, dt)
     if state[at.LENGTH] > state[at.NEXT_PART]:
         close_part(state, params)
+
+
+@inlined
+def _sum_force(state: Array, rows: Rows, gyro: Vector, accel: Vector, dt: float) -> None:
+    a2 = dot(accel, accel)
+    # A dead sensor's zero and NaN fail here too.
+    if not 0.0 < a2 < _NO_FORCE**2:
+        return
+    east, north, up = rows
+    force = dot(east, accel), dot(north, accel), dot(up, accel)
+    store(state, at.FORCE_SUM, added(load(state, at.FORCE_SUM), dt, force))
+    store(state, at.ACCEL_SUM, added(load(state, at.ACCEL_SUM), dt, accel))
+    state[at.ACCEL_SQUARES] += dt * a2
+    pushed = cross(gyro, accel)
+    state[at.LAG_SUM] += dt * dot(east, pushed)
+    state[at.LAG_SUM + 1] += dt * dot(north, pushed)
+    state[at.ACCEL_TIME] += dt
+
+
+@inlined
+def _sum_field(state: Array, rows: Rows, gyro: Vector, mag: Vector, dt: float) -> None:
+    if not 0.0 < dot(mag, mag) < _NO_FIELD**2:
+        return
+    old = load(state, at.LATEST_MAG)
+    same = mag[0] == old[0] and mag[1] == old[1] and mag[2] == old[2]
+    state[at.STUCK] = state[at.STUCK] + dt * norm(gyro) if same else 0.0
+    store(state, at.LATEST_MAG, mag)
+    field = dot(rows[0], mag), dot(rows[1], mag), dot(rows[2], mag)
+    store(state, at.MAG_SUM, added(load(state, at.MAG_SUM), 1.0, field))
+    state[at.MAG_COUNT] += 1.0
 
 
 @kernel

@@ -5,16 +5,15 @@ which travels stays about the same in its own axes, while a tilt makes it run aw
 averaged, gives the heading. Bias and scale follow from how these errors grow with time and with rotation.
 """
 
-import math
-
+from kreisel.estimate.filters.dcm.window import turn_world
 from kreisel.estimate.filters.mekf import layout as at
-from kreisel.estimate.filters.mekf.covariance import propagate
+from kreisel.estimate.filters.mekf.covariance import known_to, propagate
 from kreisel.estimate.filters.mekf.field import observe_field
-from kreisel.estimate.filters.mekf.lost import begin_again, is_lost, turn_world
+from kreisel.estimate.filters.mekf.lost import begin_again, is_lost
 from kreisel.estimate.filters.mekf.rest import watch_rest
 from kreisel.estimate.filters.mekf.velocity import observe_velocity
 from kreisel.maths.kernels import kernel
-from kreisel.maths.vectors import Array, dot, load, scaled, store
+from kreisel.maths.vectors import Array, Vector, dot, load, scaled, store
 
 # The window is summed in this many parts where its effect on the attitude is linearised.
 _PARTS = 8.0
@@ -74,7 +73,7 @@ def _look_after(state: Array, params: Array) -> None:
         state[at.CHANGE_FORCE] = at.NOTHING
         state[at.OBSERVED] = 0.0
     for i in range(3):
-        state[at.SIGMA + i] = math.sqrt(P[i, i])
+        state[at.SIGMA + i] = known_to(i, P[i, i])
 
 
 @kernel
@@ -82,27 +81,31 @@ def _correct(state: Array, params: Array) -> float:
     """Find the errors and take them from all but the attitude; the flags of this window."""
     n = at.ERRORS
     P = state[at.COVARIANCE : at.COVARIANCE + n * n].reshape(n, n)
-    way = (
-        dot(load(state, at.TURN), load(state, at.TRAVEL)),
-        dot(load(state, at.TURN + at.CONSTANTS), load(state, at.TRAVEL)),
-    )
+    travel = load(state, at.TRAVEL)
     propagate(state, params, P)
-    flags = 0.0
-    if params[at.DOF] > 0.0:
-        share = state[at.ACCEL_TIME] / state[at.LENGTH]
-        for i in range(2):
-            pushed = dot(load(state, at.TURN + at.CONSTANTS * i), load(state, at.ACCEL_BIAS))
-            state[at.VELOCITY + i] += state[at.FORCE_SUM + i] + pushed * share
-            begun = state[at.MADE + i] if state[at.SPAN] > 0.0 else 0.0
-            state[at.MADE + i] = begun + state[at.LENGTH] * state[at.VELOCITY + i] + way[i]
-        state[at.SPAN] += state[at.LENGTH]
-        rest = watch_rest(state, params, P)
-        observe_velocity(state, params, P, rest)
-        flags = float(at.REST) if rest else 0.0
-        if params[at.DOF] == 9.0 and state[at.MAG_COUNT] > 0.0:
-            flags += observe_field(state, params, P, rest)
-        _take_back(state)
+    if params[at.DOF] == 0.0:
+        return 0.0
+    _sum_ways(state, travel)
+    rest = watch_rest(state, params, P)
+    observe_velocity(state, params, P, rest)
+    flags = float(at.REST) if rest else 0.0
+    if params[at.DOF] == 9.0 and state[at.MAG_COUNT] > 0.0:
+        flags += observe_field(state, params, P, rest)
+    _take_back(state)
     return flags
+
+
+@kernel
+def _sum_ways(state: Array, travel: Vector) -> None:
+    """Sum force to velocity, and velocity less `travel` to the way of this span."""
+    share = state[at.ACCEL_TIME] / state[at.LENGTH]
+    for i in range(2):
+        # TURN of the gyro's bias is minus the integral of R, which takes anything fixed to the sensor to N.
+        back = load(state, at.TURN + at.CONSTANTS * i)
+        state[at.VELOCITY + i] += state[at.FORCE_SUM + i] + share * dot(back, load(state, at.ACCEL_BIAS))
+        begun = state[at.MADE + i] if state[at.SPAN] > 0.0 else 0.0
+        state[at.MADE + i] = begun + state[at.LENGTH] * state[at.VELOCITY + i] + dot(back, travel)
+    state[at.SPAN] += state[at.LENGTH]
 
 
 @kernel
