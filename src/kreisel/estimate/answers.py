@@ -11,12 +11,23 @@ from kreisel.data.checks import read_only
 from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.recording import ImuRecording
 from kreisel.estimate import filters as at
-from kreisel.estimate.filters import Array
+from kreisel.estimate.filters import Array, AttitudeFilter, KnowingFilter
 from kreisel.maths.kernels import inlined, kernel
 from kreisel.maths.vectors import Rows, added, combined, dot
 
 # A matrix whose products of rows are that near to those of a rotation has an error of 1e-12 one iteration later.
 _NEAR = 1e-6
+
+
+def room_for_sigma(filter: AttitudeFilter, *shape: int) -> Array | None:
+    """Room (..., 3) for standard deviations where `filter` has them."""
+    return np.empty((*shape, 3)) if isinstance(filter, KnowingFilter) else None
+
+
+def fill_sigma(filter: AttitudeFilter, sigma: Array | None, first: int, answers: Array) -> None:
+    """Put those of answers (..., m, width) into sigma (..., n, 3), to the samples from `first` on."""
+    if sigma is not None and isinstance(filter, KnowingFilter):
+        sigma[..., first : first + answers.shape[-2], :] = answers[..., filter.sigma : filter.sigma + 3]
 
 
 class Columns(NamedTuple):
@@ -48,12 +59,13 @@ class Columns(NamedTuple):
         """Put answers (runs, m, ANSWER), to the samples of accel (runs, n, 3) from `first` on, in their place."""
         unpack(answers, accel, first, *self)
 
-    def history(self, run: int, recording: ImuRecording) -> AttitudeHistory:
-        """The answers of one run beside the time of its recording."""
+    def history(self, run: int, recording: ImuRecording, sigma: Array | None = None) -> AttitudeHistory:
+        """The answers of one run beside the time of its recording, and its sigma (n, 3) where there is one."""
         R, bias, a_N = (read_only(column[run]) for column in self[:3])
         rest, disturbed, held = (column[run] for column in self[3:])
+        known = None if sigma is None else read_only(sigma)
         return AttitudeHistory(
-            recording.t, R, bias, a_N, None, rest, disturbed, held, recording.t0_ns, recording.name
+            recording.t, R, bias, a_N, known, rest, disturbed, held, recording.t0_ns, recording.name
         )
 
 

@@ -15,7 +15,7 @@ from kreisel.data.attitude import AttitudeHistory, Mask
 from kreisel.data.checks import increasing, read_only, shaped
 from kreisel.data.recording import ImuRecording
 from kreisel.estimate import filters as at
-from kreisel.estimate.answers import Columns
+from kreisel.estimate.answers import Columns, fill_sigma, room_for_sigma
 from kreisel.estimate.filters import Array, AttitudeFilter, LaneFilter
 from kreisel.estimate.run import readings, run
 from kreisel.maths.kernels import argument
@@ -35,6 +35,7 @@ class AttitudeBatch:
     rest: Mask  # (runs, n) the sensor was taken to be at rest
     disturbed: Mask  # (runs, n) the magnetometer was not trusted
     held: Mask  # (runs, n) a gyro sample was missing and the last rate was held
+    sigma: Array | None = None  # (runs, n, 3) rad, where the filter knows it
 
     def __len__(self) -> int:
         return len(self.R_NS)
@@ -45,6 +46,7 @@ class AttitudeBatch:
             self.R_NS[k],
             gyro_bias=self.gyro_bias[k],
             a_N=self.a_N[k],
+            sigma=None if self.sigma is None else self.sigma[k],
             rest=self.rest[k],
             disturbed=self.disturbed[k],
             held=self.held[k],
@@ -74,19 +76,19 @@ def run_batch(
     mag = None if mag_uT is None else shaped("mag_uT", _lent(mag_uT), gyro.shape)
     runs = len(gyro)
     first = None if R_NS is None else np.broadcast_to(np.asarray(R_NS, float), (runs, 3, 3))
-    columns = Columns.of(runs, len(t))
+    columns, sigma = Columns.of(runs, len(t)), room_for_sigma(filter, runs, len(t))
 
     readings(filter, t[:0], gyro[:0], accel[:0], mag)
 
     def tile(part: slice) -> None:
         known = None if first is None else first[part]
         readings = gyro[part], accel[part], None if mag is None else mag[part]
-        _fill(filter, t, readings, known, columns.part(part))
+        _fill(filter, t, readings, known, columns.part(part), None if sigma is None else sigma[part])
 
-    _in_threads(tile, _tiles(filter, runs), threads)
+    in_threads(tile, _tiles(filter, runs), threads)
     for column in columns:
         column.flags.writeable = False
-    return AttitudeBatch(t, *columns)
+    return AttitudeBatch(t, *columns, None if sigma is None else read_only(sigma))
 
 
 def run_all(
@@ -108,11 +110,12 @@ def run_all(
         gyro, accel = np.stack([r.gyro for r in alike]), np.stack([r.accel for r in alike])
         mag = None if alike[0].mag_uT is None else np.stack([r.mag_uT for r in alike if r.mag_uT is not None])
         columns = Columns.of(len(members), len(alike[0]))
-        _fill(filter, alike[0].t, (gyro, accel, mag), None, columns)
+        sigma = room_for_sigma(filter, len(members), len(alike[0]))
+        _fill(filter, alike[0].t, (gyro, accel, mag), None, columns, sigma)
         for i, k in enumerate(members):
-            histories[k] = columns.history(i, recordings[k])
+            histories[k] = columns.history(i, recordings[k], None if sigma is None else sigma[i])
 
-    _in_threads(together, _alike(recordings, _lanes(filter)), threads)
+    in_threads(together, _alike(recordings, _lanes(filter)), threads)
     return [history for history in histories if history is not None]
 
 
@@ -151,6 +154,7 @@ def _fill(
     sensors: tuple[Array, Array, Array | None],
     R_NS: Array | None,
     columns: Columns,
+    sigma: Array | None,
 ) -> None:
     """Run one tile: abreast where it has as many runs as the filter has lanes."""
     t, gyro, accel, mag = readings(filter, t, *sensors)
@@ -160,19 +164,20 @@ def _fill(
     stamps = argument(np.tile(t, (runs, 1)))
     lanes = filter if isinstance(filter, LaneFilter) and runs == filter.lanes > 1 else None
     step = min(n, _BLOCK // runs)
-    room = np.empty(runs * step * at.ANSWER)
+    room = np.empty(runs * step * at.width(filter))
     for first in range(0, n, step):
         m = min(step, n - first)
-        answers = room[: runs * m * at.ANSWER].reshape(runs, m, at.ANSWER)
+        answers = room[: runs * m * at.width(filter)].reshape(runs, m, at.width(filter))
         if lanes is not None:
             lanes.batch_of_lanes(states, parameters, stamps, gyro, accel, mag, first, answers)
         else:
             for k in range(runs):
                 filter.batch(states[k], parameters, t, gyro[k], accel[k], mag[k], first, answers[k])
         columns.fill(first, answers, accel)
+        fill_sigma(filter, sigma, first, answers)
 
 
-def _in_threads(work: Callable[..., None], parts: Iterable[object], threads: int | None) -> None:
+def in_threads(work: Callable[..., None], parts: Iterable[object], threads: int | None) -> None:
     """`work` on every part, at once where there are several threads; the first error is raised."""
     count = len(os.sched_getaffinity(0)) if threads is None else threads
     if count <= 1:

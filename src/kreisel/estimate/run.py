@@ -9,7 +9,7 @@ import numpy as np
 from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.recording import ImuRecording
 from kreisel.estimate import filters as at
-from kreisel.estimate.answers import Columns
+from kreisel.estimate.answers import Columns, fill_sigma, room_for_sigma
 from kreisel.estimate.filters import Array, AttitudeFilter
 from kreisel.maths.kernels import argument
 
@@ -23,10 +23,11 @@ def run(filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None = No
     Its a_N is the specific force of each sample in N less gravity, not smoothed; NaN where the sample is missing.
     Raises ValueError where the filter needs a magnetometer that the recording does not have.
     """
-    columns = Columns.of(1, len(recording))
+    columns, sigma = Columns.of(1, len(recording)), room_for_sigma(filter, len(recording))
     for first, answers in _blocks(filter, recording, R_NS):
         columns.fill(first, answers[None], argument(recording.accel[None]))
-    return columns.history(0, recording)
+        fill_sigma(filter, sigma, first, answers)
+    return columns.history(0, recording, sigma)
 
 
 def run_both(
@@ -38,15 +39,17 @@ def run_both(
     at zero and drifts, less than that of a run which never saw a magnetometer and learned no bias from it.
     """
     whole, without = Columns.of(1, len(recording)), Columns.of(1, len(recording))
+    sigma = room_for_sigma(filter, len(recording))
     accel = argument(recording.accel[None])
     for first, answers in _blocks(filter, recording, R_NS):
         whole.fill(first, answers[None], accel)
+        fill_sigma(filter, sigma, first, answers)
         c, s = np.cos(answers[:, at.HEADING, None]), np.sin(answers[:, at.HEADING, None])
         east, north = answers[:, 0:3].copy(), answers[:, 3:6].copy()
         answers[:, 0:3] = c * east + s * north
         answers[:, 3:6] = c * north - s * east
         without.fill(first, answers[None], accel)
-    return whole.history(0, recording), without.history(0, recording)
+    return whole.history(0, recording, sigma), without.history(0, recording)
 
 
 def readings(
@@ -66,11 +69,11 @@ def readings(
 def _blocks(
     filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None
 ) -> Iterator[tuple[int, Array]]:
-    """First sample and answers (m, ANSWER) of one block after the other; the next overwrites the answers."""
+    """First sample and answers (m, width) of one block after the other; the next overwrites the answers."""
     n = len(recording)
     inputs = readings(filter, recording.t, recording.gyro, recording.accel, recording.mag_uT)
     state, parameters = filter.start(R_NS), filter.parameters()
-    block = np.empty((min(n, _BLOCK), at.ANSWER))
+    block = np.empty((min(n, _BLOCK), at.width(filter)))
     for first in range(0, n, _BLOCK):
         answers = block[: n - first]
         filter.batch(state, parameters, *inputs, first, answers)

@@ -5,6 +5,7 @@ The name a user types is the file name with dashes.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -62,11 +63,40 @@ class AttitudeFilter(Protocol):
         first: int,
         answers: Array,
     ) -> None:
-        """The same through the samples from `first` on, as many as answers (m, ANSWER) has rows.
+        """The same through the samples from `first` on, as many as answers (m, ANSWER or more) has rows.
 
         t (n,) s and the others (n, 3) are whole: the first step's dt is that to the sample before.
         """
         ...
+
+
+@runtime_checkable
+class KnowingFilter(Protocol):
+    """An AttitudeFilter that knows how well it knows: answers of more than ANSWER places are more of its state."""
+
+    @property
+    def sigma(self) -> int:
+        """Where its state has three standard deviations of the attitude error about N axes, rad."""
+        ...
+
+
+@runtime_checkable
+class SmoothingFilter(KnowingFilter, Protocol):
+    """A KnowingFilter that can look at a whole recording."""
+
+    def smoothed(
+        self, t: Array, gyro: Array, accel: Array, mag: Array, R_NS: Array | None = None
+    ) -> Iterator[tuple[int, Array]]:
+        """First sample and answers (m, sigma + 3) of one block after the other; every sample is in one of them.
+
+        t (n,) s and the others (n, 3) are whole, R_NS (3, 3) is the first attitude where it is known.
+        """
+        ...
+
+
+def width(filter: AttitudeFilter) -> int:
+    """How many places of its state a filter's answers need."""
+    return filter.sigma + 3 if isinstance(filter, KnowingFilter) else ANSWER
 
 
 @runtime_checkable

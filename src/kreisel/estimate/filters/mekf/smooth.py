@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -12,7 +13,7 @@ from kreisel.estimate.filters.mekf.backward import AFTER, BEFORE, FOUND, SIGMA, 
 from kreisel.estimate.filters.mekf.field import UNKNOWN
 from kreisel.estimate.filters.mekf.step import step
 from kreisel.maths.kernels import kernel
-from kreisel.maths.vectors import Array, added, load, scaled, store
+from kreisel.maths.vectors import Array, added, dot, load, scaled, store
 
 ANSWER = at.SIGMA + 3
 
@@ -20,29 +21,68 @@ ANSWER = at.SIGMA + 3
 _BLOCK, _AHEAD = 300.0, 150.0
 
 
+def smoothed(
+    state: Array, parameters: Array, t: Array, gyro: Array, accel: Array, mag: Array
+) -> Iterator[tuple[int, Array]]:
+    """First sample and answers (m, ANSWER) of one block after the other, from a filter's first `state`.
+
+    The first block is gone through twice: what it tells about its own beginning is where the second pass begins.
+    """
+    inputs = parameters, t, gyro, accel, mag
+    once = state.copy()
+    for _, answers in blocks(once, *inputs):
+        if once[at.LEVELLED] == 1.0:
+            _begin_anew(state, parameters, answers, mag[: len(answers)])
+        break
+    yield from blocks(state, *inputs)
+
+
+def _begin_anew(state: Array, parameters: Array, answers: Array, mag: Array) -> None:
+    """Begin with the attitude and the field of smoothed answers, as uncertain as before.
+
+    Biases and all else in which errors are linear keep their first values: knowing them twice would be too much.
+    """
+    state[at.R_NS : at.R_NS + 9] = answers[0, at.R_NS : at.R_NS + 9]
+    state[at.LEVELLED], state[at.FLAGS], state[at.CALM] = 1.0, 0.0, 0.0
+    seen = np.flatnonzero(np.isfinite(mag).all(axis=1))
+    if not len(seen) or parameters[at.DOF] != 9.0:
+        return
+    state[at.NORTHED] = 1.0
+    if seen[0] > 0:
+        # The first sample of a magnetometer turned the answer then, and not what came before.
+        jump = answers[seen[0], at.HEADING] - answers[seen[0] - 1, at.HEADING]
+        turn_world(state, (0.0, 0.0, jump))
+    R = answers[seen, at.R_NS : at.R_NS + 9].reshape(-1, 3, 3)
+    east, north, up = np.einsum("nij,nj->in", R, mag[seen])
+    field = np.median(np.hypot(east, north)), np.median(up)
+    state[at.FIELD : at.FIELD + 2] = state[at.CANDIDATE : at.CANDIDATE + 2] = field
+    state[at.CANDIDATE + 2], state[at.FIELD_TIME] = UNKNOWN, parameters[at.FIELD_MEMORY]
+
+
 def blocks(
     state: Array, parameters: Array, t: Array, gyro: Array, accel: Array, mag: Array
-) -> Iterator[tuple[int, Array, Array]]:
-    """First sample, smoothed answers (m, ANSWER) and all errors at the start of each block; `state` moves on."""
-    n, first = len(t), 0
-    window, latest = parameters[at.WINDOW], 0
-    while first < n:
+) -> Iterator[tuple[int, Array]]:
+    """First sample and smoothed answers (m, ANSWER) of each block; `state` moves on."""
+    inputs = parameters, t, gyro, accel, mag
+    first = latest = 0
+    while first < len(t):
         end = _end(t, t[first] + _BLOCK)
         last = _end(t, t[end - 1] + _AHEAD)
-        rows = int((t[last - 1] - t[latest]) / window) + 3
+        rows = int((t[last - 1] - t[latest]) / parameters[at.WINDOW]) + 3
         log, ends = np.empty((rows, at.LOG)), np.empty(rows, np.int64)
         answers = np.empty((last - first, ANSWER))
+        # What was known before the first window of this block is its row 0.
         ends[0], log[0] = latest, state[at.COVARIANCE : at.LOG_END]
-        count = log_forward(state, parameters, t, gyro, accel, mag, first, end, answers, log, ends, 1)
-        kept = state.copy()
-        count = log_forward(state, parameters, t, gyro, accel, mag, end, last, answers[end - first :], log, ends, count)
+        inside = answers[: end - first]
+        count = log_forward(state, *inputs, first, inside, log, ends, 1)
+        kept, known = state.copy(), int(ends[count - 1])
+        count = log_forward(state, *inputs, end, answers[end - first :], log, ends, count)
         found = np.empty((count, FOUND))
         look_back(log[:count], np.empty((at.ERRORS + 2, at.ERRORS)), found)
-        correct(t, first, answers[: end - first], ends[:count], found)
-        yield first, answers[: end - first], found[0, AFTER:]
+        correct(t, gyro, first, inside, ends[:count], found)
         state[:] = kept
-        latest = int(ends[:count][ends[:count] < end].max())
-        first = end
+        yield first, inside
+        first, latest = end, known
 
 
 def _end(t: Array, until: float) -> int:
@@ -58,14 +98,13 @@ def log_forward(
     accel: Array,
     mag: Array,
     first: int,
-    end: int,
     answers: Array,
     log: Array,
     ends: Array,
     count: int,
 ) -> int:
     """The filter's steps, and a row of the log for every window that closes; how many there are then."""
-    for k in range(first, end):
+    for k in range(first, first + answers.shape[0]):
         closed = state[at.WINDOWS]
         g = gyro[k, 0], gyro[k, 1], gyro[k, 2]
         a = accel[k, 0], accel[k, 1], accel[k, 2]
@@ -82,8 +121,8 @@ def log_forward(
 
 
 @kernel
-def correct(t: Array, first: int, answers: Array, ends: Array, found: Array) -> None:
-    """Take from the answers of samples from `first` on what was found about the windows that end at `ends`.
+def correct(t: Array, gyro: Array, first: int, answers: Array, ends: Array, found: Array) -> None:
+    """Take from answers, to samples from `first` on, what was found about the windows that end at `ends`.
 
     Within a window the error goes straight from that after its first to that before its last correction.
     """
@@ -99,47 +138,16 @@ def correct(t: Array, first: int, answers: Array, ends: Array, found: Array) -> 
         theta = load(found[after], AFTER if closes else BEFORE)
         if not closes:
             theta = added(scaled(share, theta), 1.0 - share, load(found[before], AFTER))
-        bias = load(found[after if closes else before], AFTER + at.B)
-        turn_world(answers[j], scaled(-1.0, theta))
+        errors = found[after if closes else before]
+        rate = load(gyro[k], 0)
+        # Another lag is another moment of the turn; a rate that is missing is none.
+        later = errors[AFTER + at.L] if dot(rate, rate) < math.inf else 0.0
+        R, turn = answers[j], scaled(-1.0, theta)
+        if later != 0.0:
+            turn = added(turn, later, (dot(load(R, 0), rate), dot(load(R, 3), rate), dot(load(R, 6), rate)))
+        turn_world(R, turn)
+        bias = load(errors, AFTER + at.B)
         store(answers[j], at.GYRO_BIAS, added(load(answers[j], at.GYRO_BIAS), -1.0, bias))
         for i in range(3):
             a, b = found[before, SIGMA + i], found[after, SIGMA + i]
             answers[j, at.SIGMA + i] = a + share * (b - a)
-
-
-def smoothed(
-    state: Array, parameters: Array, t: Array, gyro: Array, accel: Array, mag: Array
-) -> Iterator[tuple[int, Array]]:
-    """First sample and answers (m, ANSWER) of one block after the other, from a filter's first `state`.
-
-    The first block is gone through twice: what it tells about its own beginning is where the second pass begins.
-    """
-    inputs = parameters, t, gyro, accel, mag
-    once = state.copy()
-    _, answers, errors = next(blocks(once, *inputs))
-    if once[at.LEVELLED] == 1.0:
-        _begin_anew(state, parameters, answers, errors, mag[: len(answers)])
-    for first, answers, _ in blocks(state, *inputs):
-        yield first, answers
-
-
-def _begin_anew(state: Array, parameters: Array, answers: Array, errors: Array, mag: Array) -> None:
-    """Begin with the attitude, the constants and the field of smoothed answers; as uncertain as before."""
-    state[at.R_NS : at.R_NS + 9] = answers[0, at.R_NS : at.R_NS + 9]
-    state[at.GYRO_BIAS : at.GYRO_BIAS + 3] = answers[0, at.GYRO_BIAS : at.GYRO_BIAS + 3]
-    state[at.SCALE : at.SCALE + 9] -= errors[at.C : at.C + 9]
-    state[at.LEVELLED], state[at.FLAGS], state[at.CALM] = 1.0, 0.0, 0.0
-    state[at.LAG] -= errors[at.L]
-    seen = np.flatnonzero(np.isfinite(mag).all(axis=1))
-    if not len(seen) or parameters[at.DOF] != 9.0:
-        return
-    state[at.NORTHED] = 1.0
-    if seen[0] > 0:
-        # The first sample of a magnetometer turned the answer then, and not what came before.
-        jump = answers[seen[0], at.HEADING] - answers[seen[0] - 1, at.HEADING]
-        turn_world(state, (0.0, 0.0, jump))
-    R = answers[seen, : at.R_NS + 9].reshape(-1, 3, 3)
-    east, north, up = np.einsum("nij,nj->in", R, mag[seen])
-    field = np.median(np.hypot(east, north)), np.median(up)
-    state[at.FIELD : at.FIELD + 2] = state[at.CANDIDATE : at.CANDIDATE + 2] = field
-    state[at.CANDIDATE + 2], state[at.FIELD_TIME] = UNKNOWN, parameters[at.FIELD_MEMORY]
