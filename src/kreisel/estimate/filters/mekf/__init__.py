@@ -1,8 +1,8 @@
 """Turns gyro, accelerometer and magnetometer into attitude by a multiplicative error-state Kalman filter.
 
 Twenty-seven errors share one covariance: attitude, velocity and the velocity that a body keeps in its own axes, gyro bias, gyro
-scale and misalignment, accelerometer bias, what turns the magnetic field here and now, and by how much the gyro's samples
-are older than the accelerometer's. What a body's accelerations can be is learned as it moves; surprises count by Student's t.
+scale and misalignment, accelerometer bias, what turns the magnetic field here and now, and by how much the accelerometer's
+samples are older than the gyro's. What a body's accelerations can be is learned as it moves; surprises count by Student's t.
 The answer knows how well it knows: `AttitudeHistory.sigma`. `kreisel.smooth` looks at a whole recording with the same filter.
 """
 
@@ -54,7 +54,7 @@ class MekfFilter:
     scale_spread: float = 0.004  # 1, of gyro scale and misalignment
     scale_drift: float = 1e-5  # 1/sqrt(s)
     accel_spread: float = 0.03  # m/s^2, of the accelerometer's bias
-    lag_spread: float = 0.003  # s, by which gyro samples may be older than those of the accelerometer
+    lag_spread: float = 0.003  # s, by which samples of the accelerometer may be older than those of the gyro
     velocity_least: float = 0.35  # m/s/sqrt(Hz), noise of the velocity of a body that hardly moves
     velocity_most: float = 2.0  # m/s/sqrt(Hz), of one that does
     travel_spread: float = 1.0  # m/s of velocity that a body keeps in its own axes

@@ -17,7 +17,7 @@ C = 11  # 9: gyro scale and misalignment, columns of the matrix by which a gyro 
 CONSTANTS = 12  # B and C
 D = 20  # what turns the field away from north, here and now
 A = 21  # 3: accelerometer bias, m/s^2
-L = 24  # s, by how much gyro samples are older than those of the accelerometer
+L = 24  # s, by how much samples of the accelerometer are older than those of the gyro
 S = 25  # 2: horizontal way, m, that V less travel has made since SPAN began
 ERRORS = 27
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -13,7 +12,7 @@ from kreisel.estimate.filters.mekf.backward import AFTER, BEFORE, FOUND, SIGMA, 
 from kreisel.estimate.filters.mekf.field import UNKNOWN
 from kreisel.estimate.filters.mekf.step import step
 from kreisel.maths.kernels import kernel
-from kreisel.maths.vectors import Array, added, dot, load, scaled, store
+from kreisel.maths.vectors import Array, added, load, scaled, store
 
 ANSWER = at.SIGMA + 3
 
@@ -79,7 +78,7 @@ def blocks(
         count = log_forward(state, *inputs, end, answers[end - first :], log, ends, count)
         found = np.empty((count, FOUND))
         look_back(log[:count], np.empty((at.ERRORS + 2, at.ERRORS)), found)
-        correct(t, gyro, first, inside, ends[:count], found)
+        correct(t, first, inside, ends[:count], found)
         state[:] = kept
         yield first, inside
         first, latest = end, known
@@ -121,7 +120,7 @@ def log_forward(
 
 
 @kernel
-def correct(t: Array, gyro: Array, first: int, answers: Array, ends: Array, found: Array) -> None:
+def correct(t: Array, first: int, answers: Array, ends: Array, found: Array) -> None:
     """Take from answers, to samples from `first` on, what was found about the windows that end at `ends`.
 
     Within a window the error goes straight from that after its first to that before its last correction.
@@ -139,13 +138,7 @@ def correct(t: Array, gyro: Array, first: int, answers: Array, ends: Array, foun
         if not closes:
             theta = added(scaled(share, theta), 1.0 - share, load(found[before], AFTER))
         errors = found[after if closes else before]
-        rate = load(gyro[k], 0)
-        # Another lag is another moment of the turn; a rate that is missing is none.
-        later = errors[AFTER + at.L] if dot(rate, rate) < math.inf else 0.0
-        R, turn = answers[j], scaled(-1.0, theta)
-        if later != 0.0:
-            turn = added(turn, later, (dot(load(R, 0), rate), dot(load(R, 3), rate), dot(load(R, 6), rate)))
-        turn_world(R, turn)
+        turn_world(answers[j], scaled(-1.0, theta))
         bias = load(errors, AFTER + at.B)
         store(answers[j], at.GYRO_BIAS, added(load(answers[j], at.GYRO_BIAS), -1.0, bias))
         for i in range(3):

@@ -37,9 +37,8 @@ def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, 
     if (waits and start(state, params, accel, mag)) or not dt > 0.0:
         return
     state[at.FLAGS] = state[at.CALM]
-    latest, lag = load(state, at.RATE), 0.0
+    latest = load(state, at.RATE)
     if is_rate(gyro):
-        lag = state[at.LAG] if state[at.GAP] == 0.0 else 0.0
         state[at.GAP] = 0.0
         state[at.CLIPPED] = state[at.CLIPPED] + dt if _is_clipped(gyro, latest) else 0.0
         state[at.MISSING] += dt if state[at.CLIPPED] > _CLIPPED else 0.0
@@ -52,7 +51,6 @@ def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, 
     rows = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
     false = combined(turn, load(state, at.SCALE), load(state, at.SCALE + 3), load(state, at.SCALE + 6))
     theta = added(added(turn, -1.0, false), -dt, load(state, at.GYRO_BIAS))
-    theta = added(theta, -lag, added(gyro, -1.0, latest))
     theta = added(theta, params[at.CONING] * dt * dt, cross(latest, gyro))
     rows = turned(rows, theta)
     store(state, at.R_NS, rows[0])

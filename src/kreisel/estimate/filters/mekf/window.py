@@ -103,6 +103,8 @@ def _sum_ways(state: Array, travel: Vector) -> None:
         # TURN of the gyro's bias is minus the integral of R, which takes anything fixed to the sensor to N.
         back = load(state, at.TURN + at.CONSTANTS * i)
         state[at.VELOCITY + i] += state[at.FORCE_SUM + i] + share * dot(back, load(state, at.ACCEL_BIAS))
+        # A force that is late belongs to the attitude of a moment ago.
+        state[at.VELOCITY + i] -= state[at.LAG] * state[at.LAG_SUM + i]
         begun = state[at.MADE + i] if state[at.SPAN] > 0.0 else 0.0
         state[at.MADE + i] = begun + state[at.LENGTH] * state[at.VELOCITY + i] + dot(back, travel)
     state[at.SPAN] += state[at.LENGTH]
@@ -110,7 +112,7 @@ def _sum_ways(state: Array, travel: Vector) -> None:
 
 @kernel
 def _take_back(state: Array) -> None:
-    """Take the errors that were found from all but the attitude, which waits for them in CORRECTION."""
+    """Take the errors that were found from all but the attitude."""
     x = at.CORRECTION
     for i in range(2):
         state[at.VELOCITY + i] -= state[x + at.V + i]
@@ -122,9 +124,4 @@ def _take_back(state: Array) -> None:
     for i in range(9):
         state[at.SCALE + i] -= state[x + at.C + i]
     state[at.TURNED] -= state[x + at.D]
-    # Another lag is another moment of the turn.
-    sooner = state[x + at.L]
-    state[at.LAG] -= sooner
-    rate = load(state, at.RATE)
-    for i in range(3):
-        state[x + i] -= sooner * dot(load(state, at.R_NS + 3 * i), rate)
+    state[at.LAG] -= state[x + at.L]
