@@ -49,7 +49,7 @@ class MekfFilter:
     coning: bool = False  # gyro samples are means of a rate whose axis turns (fast motion at 50 Hz and less)
     gyro_noise: float = math.radians(0.05)  # rad/s/sqrt(Hz), with what vibration adds
     rate_noise: float = 5e-4  # 1/sqrt(Hz), noise that grows with the rate
-    bias_spread: float = math.radians(0.5)  # rad/s, at the start
+    bias_spread: float = math.radians(0.7)  # rad/s, at the start
     bias_drift: float = math.radians(0.01)  # rad/s/sqrt(s)
     scale_spread: float = 0.004  # 1, of gyro scale and misalignment
     scale_drift: float = 1e-5  # 1/sqrt(s)
