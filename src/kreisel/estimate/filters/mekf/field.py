@@ -13,9 +13,6 @@ _LEVEL = 0.06
 # rad: a magnetometer that reads the same to the last bit while it turns by this has died.
 _STUCK = 0.35
 
-# Variance of a candidate that has not been watched yet, in any unit.
-UNKNOWN = 1e12
-
 # A reference of one sample may be off by this share, as near a magnet or a steel desk; less with every second, until it
 # is as good as any after one of these parts of FIELD_MEMORY.
 _NEW = 0.3
@@ -127,8 +124,7 @@ def _young(state: Array, params: Array) -> float:
 def _begin(state: Array, params: Array, P: Array, level: float, up: float) -> None:
     state[at.FIELD], state[at.FIELD + 1] = level, up
     state[at.CANDIDATE], state[at.CANDIDATE + 1] = level, up
-    state[at.CANDIDATE + 2] = UNKNOWN
-    state[at.DEVIATION] = state[at.STEADY] = state[at.CONTRARY] = 0.0
+    state[at.CANDIDATE + 2] = state[at.DEVIATION] = state[at.STEADY] = state[at.CONTRARY] = 0.0
 
 
 @kernel

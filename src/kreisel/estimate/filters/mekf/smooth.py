@@ -9,7 +9,6 @@ import numpy as np
 from kreisel.estimate.filters.dcm.window import turn_world
 from kreisel.estimate.filters.mekf import layout as at
 from kreisel.estimate.filters.mekf.backward import AFTER, BEFORE, FOUND, SIGMA, look_back
-from kreisel.estimate.filters.mekf.field import UNKNOWN
 from kreisel.estimate.filters.mekf.step import step
 from kreisel.maths.kernels import kernel
 from kreisel.maths.vectors import Array, added, load, scaled, store
@@ -18,6 +17,9 @@ ANSWER = at.SIGMA + 3
 
 # s of a block, and s beyond it that it looks ahead: more than twice the time over which a heading is averaged.
 _BLOCK, _AHEAD = 300.0, 150.0
+
+# rad: how well a second pass knows at least which way is up; several times as well as that it does in fact.
+_TILT = 0.05
 
 
 def smoothed(
@@ -37,12 +39,14 @@ def smoothed(
 
 
 def _begin_anew(state: Array, parameters: Array, answers: Array, mag: Array) -> None:
-    """Begin with the attitude and the field of smoothed answers, as uncertain as before.
+    """Begin with the attitude and the field of smoothed answers, hardly less uncertain than before.
 
     Biases and all else in which errors are linear keep their first values: knowing them twice would be too much.
     """
     state[at.R_NS : at.R_NS + 9] = answers[0, at.R_NS : at.R_NS + 9]
     state[at.LEVELLED], state[at.FLAGS], state[at.CALM] = 1.0, 0.0, 0.0
+    for i in range(2):
+        state[at.COVARIANCE + i * (at.ERRORS + 1)] = _TILT**2
     seen = np.flatnonzero(np.isfinite(mag).all(axis=1))
     if not len(seen) or parameters[at.DOF] != 9.0:
         return
@@ -55,7 +59,7 @@ def _begin_anew(state: Array, parameters: Array, answers: Array, mag: Array) -> 
     east, north, up = np.einsum("nij,nj->in", R, mag[seen])
     field = np.median(np.hypot(east, north)), np.median(up)
     state[at.FIELD : at.FIELD + 2] = state[at.CANDIDATE : at.CANDIDATE + 2] = field
-    state[at.CANDIDATE + 2], state[at.FIELD_TIME] = UNKNOWN, parameters[at.FIELD_MEMORY]
+    state[at.FIELD_TIME] = parameters[at.FIELD_MEMORY]
 
 
 def blocks(
