@@ -124,7 +124,9 @@ def main() -> None:
                 seen[fault] += 1
                 lost[fault] += is_lost
             if is_lost:
-                worst.append((max(heading / 5.0, inclination / 2.0), heading, inclination, kind, m * each + k, faults))
+                worst.append(
+                    (max(heading / 5.0, inclination / 2.0), heading, inclination, kind, m * each + k, faults)
+                )
     print(f"{MOTIONS * each} recordings: {infinite} not finite, {away} not back within 5 and 2 degrees")
     for fault in seen:
         print(f"{fault:<16}{lost[fault]:>6} of {seen[fault]}")

@@ -89,8 +89,10 @@ def print_table(rows: list[tuple[str, str, str, list[list[float]]]]) -> None:
         x = np.array([row[3][k][3:] for row in rows])
         if np.isfinite(x).all():
             total = (2.0 * x[:, 0] + x[:, 1]) / 3.0
-            print(f"{name:<14} {x[:, 0].mean():6.2f} {x[:, 1].mean():6.2f}   all three axes {total.mean():6.2f}, "
-                  f"median {np.median(total):.2f}")
+            print(
+                f"{name:<14} {x[:, 0].mean():6.2f} {x[:, 1].mean():6.2f}   all three axes {total.mean():6.2f}, "
+                f"median {np.median(total):.2f}"
+            )
 
 
 def main() -> None:

@@ -209,4 +209,6 @@ def case(moved: Motion, kind: str, number: int, grade: str, field: str) -> Case:
     # As sensors that integrate between samples read it; at 100 Hz an instant's rate is 5 ms ahead of it.
     gyro = np.array(measured.gyro)
     gyro[1:] = 0.5 * (gyro[1:] + gyro[:-1])
-    return Case(dataclasses.replace(measured, gyro=gyro, mag_uT=mag, name=f"{kind}-{number}-{grade}-{field}"), truth)
+    return Case(
+        dataclasses.replace(measured, gyro=gyro, mag_uT=mag, name=f"{kind}-{number}-{grade}-{field}"), truth
+    )

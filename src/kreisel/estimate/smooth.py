@@ -13,9 +13,7 @@ from kreisel.estimate.run import readings
 from kreisel.maths.kernels import argument
 
 
-def smooth(
-    filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None = None
-) -> AttitudeHistory:
+def smooth(filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None = None) -> AttitudeHistory:
     """The most likely attitude at every sample given all of `recording`, and its sigma.
 
     The answer of `run` corrected backwards from the end, after a second pass from a start that knows the rest: bias,

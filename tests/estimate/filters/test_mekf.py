@@ -85,7 +85,9 @@ def test_an_accelerometer_that_is_late_is_found_out(rng: np.random.Generator) ->
     accel = recording.accel + push
     shifted = np.concatenate([accel[:late], accel[:-late]])
     errors = [
-        angles_deg(run(MekfFilter(lag_spread=spread), dataclasses.replace(recording, accel=shifted)).R_NS, truth)
+        angles_deg(
+            run(MekfFilter(lag_spread=spread), dataclasses.replace(recording, accel=shifted)).R_NS, truth
+        )
         for spread in (1e-6, 0.02)
     ]
     rms = [np.sqrt(np.mean(inclination[6000:] ** 2)) for _, _, inclination in errors]
@@ -130,7 +132,9 @@ def test_sigma_is_about_what_the_error_is() -> None:
         history = run(MekfFilter(), imperfect)
         assert history.sigma is not None
         E = history.R_NS @ truth.transpose(0, 2, 1)
-        small = 0.5 * np.stack([E[:, 2, 1] - E[:, 1, 2], E[:, 0, 2] - E[:, 2, 0], E[:, 1, 0] - E[:, 0, 1]], axis=1)
+        small = 0.5 * np.stack(
+            [E[:, 2, 1] - E[:, 1, 2], E[:, 0, 2] - E[:, 2, 0], E[:, 1, 0] - E[:, 0, 1]], axis=1
+        )
         ratios.append(np.mean((small / history.sigma)[500:] ** 2))
     # Always the same 40. Within a factor of ten: a body that does not travel is better known than sigma, which
     # allows for one that does, and a room that is perfectly even better than one that is not.
@@ -148,7 +152,9 @@ def test_six_and_nine_dof_come_from_one_pass(rng: np.random.Generator) -> None:
 def test_declination_turns_the_answer_to_true_north(rng: np.random.Generator) -> None:
     d = np.radians(11.0)
     t = times(30.0)
-    recording, truth = turning(t, tumbling(t, rng), field=np.array([18.0 * np.sin(d), 18.0 * np.cos(d), -44.0]))
+    recording, truth = turning(
+        t, tumbling(t, rng), field=np.array([18.0 * np.sin(d), 18.0 * np.cos(d), -44.0])
+    )
     assert angles_deg(run(MekfFilter(declination=d), recording).R_NS, truth)[0].max() < 1e-6
 
 

@@ -62,7 +62,9 @@ def test_minutes_of_a_magnet(rng: np.random.Generator) -> None:
     recording, truth = worn(240.0, rng)
     assert recording.mag_uT is not None
     near = ((recording.t > 20.0) & (recording.t < 180.0))[:, None]
-    assert is_back(dataclasses.replace(recording, mag_uT=recording.mag_uT + near * [30.0, -20.0, 10.0]), truth)
+    assert is_back(
+        dataclasses.replace(recording, mag_uT=recording.mag_uT + near * [30.0, -20.0, 10.0]), truth
+    )
 
 
 def test_a_reference_learned_beside_iron_is_given_up(rng: np.random.Generator) -> None:
@@ -77,7 +79,8 @@ def test_nothing_at_all_for_a_while(rng: np.random.Generator) -> None:
     recording, truth = worn(100.0, rng)
     gone = (recording.t > 20.0) & (recording.t < 35.0)
     silent = {
-        name: np.where(gone[:, None], np.nan, getattr(recording, name)) for name in ("gyro", "accel", "mag_uT")
+        name: np.where(gone[:, None], np.nan, getattr(recording, name))
+        for name in ("gyro", "accel", "mag_uT")
     }
     assert is_back(dataclasses.replace(recording, **silent), truth)
 

@@ -123,7 +123,9 @@ def _estimator(args: Namespace) -> Callable[[ImuRecording], AttitudeHistory]:
 
     filter = _filter(args)
     if args.smooth and not isinstance(filter, SmoothingFilter):
-        raise ValueError(f"--smooth needs a filter that keeps a covariance: --filter mekf; got {args.filter}.")
+        raise ValueError(
+            f"--smooth needs a filter that keeps a covariance: --filter mekf; got {args.filter}."
+        )
     return partial(smooth if args.smooth else run, filter)
 
 

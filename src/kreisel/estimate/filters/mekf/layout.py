@@ -59,7 +59,9 @@ CHANGE_LENGTH = CHANGE_FORCE + 1  # s, all of it
 CHANGE_KEPT = CHANGE_LENGTH + 1  # 3: share that is kept of U, of D and of S
 CHANGE_LAG = CHANGE_KEPT + 3  # 2: what a lag of one second pushes by, m/s
 OBSERVED = CHANGE_LAG + 2  # how many observations the window made, of those below
-OBSERVATIONS = OBSERVED + 1  # 6 times: row of the observation, its covariance with all errors, surprise, variance
+OBSERVATIONS = (
+    OBSERVED + 1
+)  # 6 times: row of the observation, its covariance with all errors, surprise, variance
 OBSERVATION = 2 * ERRORS + 2
 MOST = 6
 LOG_END = OBSERVATIONS + MOST * OBSERVATION

@@ -86,4 +86,3 @@ def _level(state: Array, up: Vector) -> None:
     axis = unit((up[1], -up[0], 0.0))
     # Upside down any axis will do.
     turn_world(state, scaled(angle, axis if dot(axis, axis) > 0.0 else (1.0, 0.0, 0.0)))
-
