@@ -2,8 +2,10 @@
 
 Run: .venv/bin/python benchmarks/bench_faults.py [recordings] [filter]     (10000 and mekf; one thread)
 
-A filter is back where its last second is within 5 degrees of heading and 2 of inclination. Faults are drawn at random, one
-to three to a recording: sensors that are silent, saturate or freeze, single wild numbers, magnets on the body and in the room,
+A filter is back where its last second is within 5 degrees of heading and 2 of inclination. Faults are drawn at
+random, one
+to three to a recording: sensors that are silent, saturate or freeze, single wild numbers, magnets on the body and in
+the room,
 and a first heading that is wrong by 180 degrees.
 """
 

@@ -1,6 +1,7 @@
 """Turns numbers into recordings that attitude filters meet: random motions, three grades of sensors, magnets.
 
-Nothing here was fitted to a filter: amplitudes are those of hands, gaits, cars and quadrotors, noise is that of presets, and
+Nothing here was fitted to a filter: amplitudes are those of hands, gaits, cars and quadrotors, noise is that of
+presets, and
 what calibration leaves is stated beside it. Every recording is a function of three names and one number.
 """
 

@@ -1,4 +1,4 @@
-"""The error-state filter: what noise-free, faulty and disturbed recordings must give, and whether it knows how well it knows."""
+"""The error-state filter: what recordings with and without errors must give, and whether sigma is honest."""
 
 import dataclasses
 from typing import Any

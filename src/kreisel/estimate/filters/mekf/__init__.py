@@ -1,9 +1,13 @@
 """Turns gyro, accelerometer and magnetometer into attitude by a multiplicative error-state Kalman filter.
 
-Twenty-seven errors share one covariance: attitude, velocity and the velocity that a body keeps in its own axes, gyro bias, gyro
-scale and misalignment, accelerometer bias, what turns the magnetic field here and now, and by how much the accelerometer's
-samples are older than the gyro's. What a body's accelerations can be is learned as it moves; surprises count by Student's t.
-The answer knows how well it knows: `AttitudeHistory.sigma`. `kreisel.smooth` looks at a whole recording with the same filter.
+Twenty-seven errors share one covariance: attitude, velocity and the velocity that a body keeps in its own axes, gyro
+bias, gyro
+scale and misalignment, accelerometer bias, what turns the magnetic field here and now, and by how much the
+accelerometer's
+samples are older than the gyro's. What a body's accelerations can be is learned as it moves; surprises count by
+Student's t.
+The answer knows how well it knows: `AttitudeHistory.sigma`. `kreisel.smooth` looks at a whole recording with the same
+filter.
 """
 
 from __future__ import annotations

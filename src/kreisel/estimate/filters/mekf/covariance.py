@@ -1,6 +1,7 @@
 """Turns what a window summed into what its errors can be: the covariance matrix P, carried on and observed.
 
-Errors are estimate less truth: R_est = Exp(theta) R_true, theta' = -R (bias + C gyro), velocity' = gravity x tilt - R accel_bias.
+Errors are estimate less truth: R_est = Exp(theta) R_true, theta' = -R (bias + C gyro), velocity' = gravity x tilt - R
+accel_bias.
 """
 
 import math
@@ -122,7 +123,7 @@ def _add_noise(state: Array, params: Array, P: Array) -> None:
 
 @kernel
 def known_to(i: int, variance: float) -> float:
-    """The standard deviation of attitude error i with what no error here stands for: an accelerometer's axes and scale."""
+    """The deviation of attitude error i, with what no error here stands for: an accelerometer's axes and scale."""
     return math.sqrt(variance + _AXES**2) if i < 2 else math.sqrt(variance)
 
 

@@ -15,7 +15,8 @@ from kreisel.maths.vectors import Array, Vector, dot, load, scaled, store, unit
 # s, over which the force is averaged.
 _TIME = 6.0
 
-# rad: a tilt of the mean that accelerations of a vehicle do not make; standard deviations of the tilt it must be as well.
+# rad: a tilt of the mean that accelerations of a vehicle do not make; standard deviations of the tilt it must be as
+# well.
 _TILTED, _GATE = 0.35, 5.0
 
 # rad: an answer that is known no better than that is none.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+import numpy.typing as npt
 
 from kreisel.estimate.filters.dcm.window import turn_world
 from kreisel.estimate.filters.mekf import layout as at
@@ -12,6 +13,8 @@ from kreisel.estimate.filters.mekf.backward import AFTER, BEFORE, FOUND, SIGMA, 
 from kreisel.estimate.filters.mekf.step import step
 from kreisel.maths.kernels import kernel
 from kreisel.maths.vectors import Array, added, load, scaled, store
+
+Rows = npt.NDArray[np.int64]
 
 ANSWER = at.SIGMA + 3
 
@@ -103,7 +106,7 @@ def log_forward(
     first: int,
     answers: Array,
     log: Array,
-    ends: Array,
+    ends: Rows,
     count: int,
 ) -> int:
     """The filter's steps, and a row of the log for every window that closes; how many there are then."""
@@ -124,7 +127,7 @@ def log_forward(
 
 
 @kernel
-def correct(t: Array, first: int, answers: Array, ends: Array, found: Array) -> None:
+def correct(t: Array, first: int, answers: Array, ends: Rows, found: Array) -> None:
     """Take from answers, to samples from `first` on, what was found about the windows that end at `ends`.
 
     Within a window the error goes straight from that after its first to that before its last correction.

@@ -1,6 +1,7 @@
 """Turns the velocity that forces sum to into corrections: near zero, but for what a body keeps in its own axes.
 
-How near is learned from the surprises of the last seconds: a sensor on a turntable, in a hand, on a drone and in a car differ
+How near is learned from the surprises of the last seconds: a sensor on a turntable, in a hand, on a drone and in a
+car differ
 a hundredfold in what an acceleration may be, and a filter that knows which one it has is as good as one made for it.
 """
 

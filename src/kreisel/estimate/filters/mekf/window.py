@@ -1,7 +1,8 @@
 """Turns the sums of a window into corrections of attitude, gyro bias and gyro scale.
 
 The specific force in N, summed, is a velocity. That of a body which stays about its place stays small, that of one
-which travels stays about the same in its own axes, while a tilt makes it run away by gravity times tilt. The field in N,
+which travels stays about the same in its own axes, while a tilt makes it run away by gravity times tilt. The field in
+N,
 averaged, gives the heading. Bias and scale follow from how these errors grow with time and with rotation.
 """
 
