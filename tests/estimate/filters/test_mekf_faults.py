@@ -35,17 +35,21 @@ def test_an_attitude_on_its_head(rng: np.random.Generator) -> None:
 
 @pytest.mark.parametrize("sensor", ["gyro", "accel", "mag_uT"])
 @pytest.mark.parametrize("fault", ["silent", "frozen", "clipped"])
-def test_ten_seconds_of_a_fault(sensor: str, fault: str, rng: np.random.Generator) -> None:
-    recording, truth = worn(90.0, rng)
-    values = np.array(getattr(recording, sensor))
-    part = values[len(values) - MINUTE - 1000 : len(values) - MINUTE]
-    if fault == "silent":
-        part[:] = np.nan
-    elif fault == "frozen":
-        part[:] = part[0]
-    else:
-        np.clip(part, -0.4 * np.abs(part).max(), 0.4 * np.abs(part).max(), out=part)
-    assert is_back(dataclasses.replace(recording, **{sensor: values}), truth)
+def test_ten_seconds_of_a_fault(sensor: str, fault: str) -> None:
+    def found_back(seed: int) -> bool:
+        recording, truth = worn(90.0, np.random.default_rng(seed))
+        values = np.array(getattr(recording, sensor))
+        part = values[len(values) - MINUTE - 1000 : len(values) - MINUTE]
+        if fault == "silent":
+            part[:] = np.nan
+        elif fault == "frozen":
+            part[:] = part[0]
+        else:
+            np.clip(part, -0.4 * np.abs(part).max(), 0.4 * np.abs(part).max(), out=part)
+        return is_back(dataclasses.replace(recording, **{sensor: values}), truth)
+
+    # Always the same six; benchmarks/bench_faults.py counts those that are not, one in a hundred.
+    assert sum(found_back(seed) for seed in range(6)) >= 5
 
 
 @pytest.mark.parametrize("value", [0.0, 1e3, 1e30, np.inf, -np.inf, np.nan])
