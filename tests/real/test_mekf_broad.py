@@ -1,4 +1,4 @@
-"""The error-state filter and its smoother on the BROAD recordings at hand and on a real flight, beside vqf on the same."""
+"""The error-state filter and its smoother on the BROAD recordings at hand and on a real flight, beside vqf."""
 
 import numpy as np
 import pytest
