@@ -68,6 +68,7 @@ class AttitudeHistory(_MadeLater):
         flags: tuple[Mask, Mask, Mask],
         t0_ns: int,
         name: str,
+        sigma: Array | None = None,
     ) -> AttitudeHistory:
         """What a filter made of a recording, taken as it is: the checks would cost as much as a third of its steps.
 
@@ -78,7 +79,7 @@ class AttitudeHistory(_MadeLater):
         put(history, "t", t)
         put(history, "R_NS", R_NS)
         put(history, "gyro_bias", gyro_bias)
-        put(history, "sigma", None)
+        put(history, "sigma", sigma)
         for mask, values in zip(("rest", "disturbed", "held"), flags, strict=True):
             put(history, mask, values)
         put(history, "t0_ns", t0_ns)
