@@ -50,7 +50,10 @@ if TYPE_CHECKING:
     from kreisel.estimate.batch import run_all as run_all
     from kreisel.estimate.batch import run_batch as run_batch
     from kreisel.estimate.filters.dcm import DcmFilter as DcmFilter
+    from kreisel.estimate.filters.mekf import MekfFilter as MekfFilter
     from kreisel.estimate.run import run as run
+    from kreisel.estimate.smooth import smooth as smooth
+    from kreisel.estimate.smooth import smooth_all as smooth_all
     from kreisel.estimate.strapdown import integrate as integrate
     from kreisel.estimate.stream import Stream as Stream
     from kreisel.evaluate.align import align as align
@@ -158,6 +161,7 @@ _HOMES = {
     "line": "kreisel.simulate.trajectories.line",
     "lissajous": "kreisel.simulate.trajectories.lissajous",
     "lying_eight": "kreisel.simulate.trajectories.lying_eight",
+    "MekfFilter": "kreisel.estimate.filters.mekf",
     "Misalignment": "kreisel.simulate.effects.misalignment",
     "Motion": "kreisel.data.motion",
     "motion_errors": "kreisel.evaluate.motion_errors",
@@ -184,6 +188,8 @@ _HOMES = {
     "run": "kreisel.estimate.run",
     "run_all": "kreisel.estimate.batch",
     "run_batch": "kreisel.estimate.batch",
+    "smooth": "kreisel.estimate.smooth",
+    "smooth_all": "kreisel.estimate.smooth",
     "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
     "Sampling": "kreisel.simulate.clock",
     "ScaleFactor": "kreisel.simulate.effects.scale_factor",

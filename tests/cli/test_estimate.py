@@ -221,3 +221,16 @@ def test_tuning_is_listed(imu: str, capsys) -> None:
     assert main(["estimate", imu, "--set", "help"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert any(line.startswith("accel_time: float = 5.0") for line in lines)
+
+
+def test_smooth_needs_a_filter_that_knows_its_errors(tmp_path, capsys):
+    t = np.arange(200) * 0.01
+    still = np.tile([0.0, 0.0, 9.81], (len(t), 1))
+    source = tmp_path / "imu.npz"
+    kreisel.write(source, kreisel.ImuRecording(t, np.zeros_like(still), still))
+    out = tmp_path / "attitude.npz"
+    assert main(["estimate", str(source), "-o", str(out), "--filter", "mekf", "--smooth"]) == 0
+    assert "mekf, mode auto, smoothed" in "".join(capsys.readouterr())
+    assert kreisel.read(out, kind="attitude").sigma is not None
+    assert main(["estimate", str(source), "--smooth"]) != 0
+    assert "--filter mekf" in capsys.readouterr().err

@@ -30,7 +30,9 @@ def recordings(rng: np.random.Generator, runs: int, n: int = 300) -> tuple[Array
 
 
 def same(a: AttitudeHistory, b: AttitudeHistory) -> bool:
-    return all(np.array_equal(getattr(a, c), getattr(b, c), equal_nan=True) for c in COLUMNS)
+    columns = COLUMNS if a.sigma is None else (*COLUMNS, "sigma")
+    alike = all(np.array_equal(getattr(a, c), getattr(b, c), equal_nan=True) for c in columns)
+    return alike and (a.sigma is None) == (b.sigma is None)
 
 
 @pytest.mark.parametrize("threads", [1, 3])

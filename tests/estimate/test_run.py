@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from kreisel.data.recording import ImuRecording
+from kreisel.estimate.filters import AttitudeFilter
 from kreisel.estimate.filters.dcm import DcmFilter, PublishedStep
+from kreisel.estimate.filters.mekf import MekfFilter
 from kreisel.estimate.run import run
 from kreisel.estimate.stream import Stream
 from tests.estimate.filters.turning import tumbling, turning
@@ -13,6 +15,9 @@ FILTERS = [
     DcmFilter(),
     DcmFilter(mode="6"),
     DcmFilter(mode="gyro", coning=True),
+    MekfFilter(),
+    MekfFilter(mode="6"),
+    MekfFilter(mode="gyro", coning=True),
     DcmFilter.as_published(1.0, 0.01, 0.01),
     DcmFilter(published=PublishedStep(exact=True)),
     DcmFilter(published=PublishedStep(exact=True, observed=True, rate_hz=100.0)),
@@ -33,7 +38,7 @@ def recorded(rng: np.random.Generator, n: int = 2000) -> ImuRecording:
 
 
 @pytest.mark.parametrize("filter", FILTERS)
-def test_stream_equals_batch_bit_for_bit(filter: DcmFilter, rng: np.random.Generator) -> None:
+def test_stream_equals_batch_bit_for_bit(filter: AttitudeFilter, rng: np.random.Generator) -> None:
     recording = recorded(rng)
     assert recording.mag_uT is not None
     history = run(filter, recording)
@@ -45,10 +50,13 @@ def test_stream_equals_batch_bit_for_bit(filter: DcmFilter, rng: np.random.Gener
         assert np.array_equal(stream.R_NS, history.R_NS[k])
         assert np.array_equal(stream.gyro_bias, history.gyro_bias[k])
         assert stream.held == history.held[k]
+        assert (stream.sigma is None) == (history.sigma is None)
+        if history.sigma is not None:
+            assert np.array_equal(stream.sigma, history.sigma[k])
 
 
 @pytest.mark.parametrize("filter", FILTERS)
-def test_no_time_no_change(filter: DcmFilter, rng: np.random.Generator) -> None:
+def test_no_time_no_change(filter: AttitudeFilter, rng: np.random.Generator) -> None:
     recording, _ = turning(np.arange(500) * 0.01, rng.normal(size=(500, 3)))
     assert recording.mag_uT is not None
     stream, twice = Stream(filter), Stream(filter)

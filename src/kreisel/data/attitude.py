@@ -69,6 +69,7 @@ class AttitudeHistory(_MadeLater, Tabular):
         flags: tuple[Mask, Mask, Mask],
         t0_ns: int,
         name: str,
+        sigma: Array | None = None,
     ) -> AttitudeHistory:
         """What a filter made of a recording, taken as it is: the checks would cost as much as a third of its steps.
 
@@ -79,7 +80,7 @@ class AttitudeHistory(_MadeLater, Tabular):
         put(history, "t", t)
         put(history, "R_NS", R_NS)
         put(history, "gyro_bias", gyro_bias)
-        put(history, "sigma", None)
+        put(history, "sigma", sigma)
         for mask, values in zip(("rest", "disturbed", "held"), flags, strict=True):
             put(history, mask, values)
         put(history, "t0_ns", t0_ns)

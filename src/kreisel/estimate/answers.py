@@ -10,7 +10,7 @@ import numpy as np
 from kreisel.data.attitude import AttitudeHistory, Mask
 from kreisel.data.recording import ImuRecording
 from kreisel.estimate import filters as at
-from kreisel.estimate.filters import Array
+from kreisel.estimate.filters import Array, AttitudeFilter, KnowingFilter
 from kreisel.maths.kernels import inlined, kernel
 from kreisel.maths.vectors import Rows, dot, load, nearest_rotation
 
@@ -26,34 +26,48 @@ class Columns(NamedTuple):
     disturbed: Mask  # (n,)
     held: Mask  # (n,)
     heading: Array  # (n,) rad, or (0,) where nobody asks
+    sigma: Array  # (n, 3) rad, or (n, 0) where the filter does not know it
 
     @classmethod
-    def of(cls, shape: tuple[int, ...], bias: bool, heading: bool = False) -> Columns:
+    def room_for(cls, filter: AttitudeFilter, shape: tuple[int, ...], heading: bool = False) -> Columns:
+        """Room for what this filter says of (n,) samples or (runs, n)."""
+        return cls.of(shape, filter.learns_bias, heading, isinstance(filter, KnowingFilter))
+
+    @classmethod
+    def of(cls, shape: tuple[int, ...], bias: bool, heading: bool = False, sigma: bool = False) -> Columns:
         """Room for (n,) samples or (runs, n), in one piece of memory.
 
         Several pieces would go back to the system and come anew each time, and fresh memory costs more than a step.
         """
         count = math.prod(shape)
-        flags = 8 * count * (9 + 3 * bias + heading)
+        angles = 8 * count * (9 + 3 * bias)
+        sigmas = angles + 8 * count * heading
+        flags = sigmas + 8 * count * 3 * sigma
         room = np.empty(flags + 3 * count, np.uint8)
         R_NS = np.ndarray((*shape, 3, 3), np.float64, room)
         gyro_bias = np.ndarray((*shape, 3), np.float64, room, 8 * count * 9) if bias else _zeros(shape)
         rest, disturbed, held = np.ndarray((3, *shape), np.bool_, room, flags)
-        angles = (*shape[:-1], shape[-1] if heading else 0)
-        return cls(
-            R_NS, gyro_bias, rest, disturbed, held, np.ndarray(angles, np.float64, room, flags - 8 * count)
-        )
+        asked = (*shape[:-1], shape[-1] if heading else 0)
+        turned = np.ndarray(asked, np.float64, room, angles)
+        known = np.ndarray((*shape, 3 if sigma else 0), np.float64, room, sigmas)
+        return cls(R_NS, gyro_bias, rest, disturbed, held, turned, known)
 
     def part(self, runs: int | slice) -> Columns:
         """The same room, of one or some of the runs."""
-        R_NS, bias, rest, disturbed, held, heading = self
-        return Columns(R_NS[runs], bias[runs], rest[runs], disturbed[runs], held[runs], heading[runs])
+        R_NS, bias, rest, disturbed, held, heading, sigma = self
+        return Columns(
+            R_NS[runs], bias[runs], rest[runs], disturbed[runs], held[runs], heading[runs], sigma[runs]
+        )
+
+    def known(self) -> Array | None:
+        """The standard deviations, where the filter knows them."""
+        return self.sigma if self.sigma.shape[-1] else None
 
     def history(self, recording: ImuRecording) -> AttitudeHistory:
         """The answers of one run beside the time of its recording."""
         for column in self:
             column.flags.writeable = False
-        R_NS, gyro_bias, rest, disturbed, held, _ = self
+        R_NS, gyro_bias, rest, disturbed, held = self[:5]
         return AttitudeHistory.trusted(
             recording.t,
             R_NS,
@@ -62,6 +76,7 @@ class Columns(NamedTuple):
             (rest, disturbed, held),
             recording.t0_ns,
             recording.name,
+            self.known(),
         )
 
 
@@ -89,13 +104,15 @@ def flags_of(flags: float) -> tuple[bool, bool, bool]:
 @inlined
 def of_lane(out: Columns, lane: int) -> Columns:
     """The columns of one of several runs."""
-    R_NS, bias, rest, disturbed, held, heading = out
-    return Columns(R_NS[lane], bias[lane], rest[lane], disturbed[lane], held[lane], heading[lane])
+    R_NS, bias, rest, disturbed, held, heading, sigma = out
+    return Columns(
+        R_NS[lane], bias[lane], rest[lane], disturbed[lane], held[lane], heading[lane], sigma[lane]
+    )
 
 
 @inlined
 def tell(state: Array, out: Columns, i: int) -> None:
-    """Put all that a state (at least ANSWER,) says in row i of `out`, but for the bias."""
+    """Put all that a state (at least ANSWER,) says in row i of `out`, but for bias and sigma."""
     rows = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
     answer(out.R_NS, i, rows, dot(rows[0], rows[1]))
     out.rest[i], out.disturbed[i], out.held[i] = flags_of(state[at.FLAGS])
@@ -112,6 +129,6 @@ def repeat(state: Array, out: Columns, begin: int, end: int) -> None:
 
 @kernel
 def show(state: Array, out: Columns) -> None:
-    """Put all that a state (at least ANSWER,) says in the only row of `out`."""
+    """Put all that a state (at least ANSWER,) says in the only row of `out`, but for sigma."""
     tell(state, out, 0)
     out.gyro_bias[0, 0], out.gyro_bias[0, 1], out.gyro_bias[0, 2] = load(state, at.GYRO_BIAS)

@@ -32,13 +32,17 @@ class AttitudeBatch:
     disturbed: Mask  # (runs, n) the magnetometer was not trusted
     held: Mask  # (runs, n) a gyro sample was missing and the last rate was held
     accel: Array  # (runs, n, 3) m/s^2, specific force in S, as it was given
+    sigma: Array | None = None  # (runs, n, 3) rad, where the filter knows it
 
     def __len__(self) -> int:
         return len(self.R_NS)
 
     def __getitem__(self, k: int) -> AttitudeHistory:
         flags = self.rest[k], self.disturbed[k], self.held[k]
-        return AttitudeHistory.trusted(self.t, self.R_NS[k], self.gyro_bias[k], self.accel[k], flags, 0, "")
+        sigma = None if self.sigma is None else self.sigma[k]
+        return AttitudeHistory.trusted(
+            self.t, self.R_NS[k], self.gyro_bias[k], self.accel[k], flags, 0, "", sigma
+        )
 
     @property
     def a_N(self) -> Array:
@@ -71,7 +75,7 @@ def run_batch(
     mag = None if mag_uT is None else shaped("mag_uT", _lent(mag_uT), gyro.shape)
     runs = len(gyro)
     first = None if R_NS is None else np.broadcast_to(np.asarray(R_NS, float), (runs, 3, 3))
-    columns = Columns.of((runs, len(t)), filter.learns_bias)
+    columns = Columns.room_for(filter, (runs, len(t)))
 
     readings(filter, t[:0], gyro[:0], accel[:0], mag)
 
@@ -80,10 +84,10 @@ def run_batch(
         readings = gyro[part], accel[part], None if mag is None else mag[part]
         _fill(filter, t, readings, known, columns.part(part))
 
-    _in_threads(tile, _tiles(filter, runs), threads)
+    in_threads(tile, _tiles(filter, runs), threads)
     for column in columns:
         column.flags.writeable = False
-    return AttitudeBatch(t, *columns[:-1], accel)
+    return AttitudeBatch(t, *columns[:5], accel, columns.known())
 
 
 def run_all(
@@ -104,12 +108,12 @@ def run_all(
         alike = [recordings[k] for k in members]
         gyro, accel = np.stack([r.gyro for r in alike]), np.stack([r.accel for r in alike])
         mag = None if alike[0].mag_uT is None else np.stack([r.mag_uT for r in alike if r.mag_uT is not None])
-        columns = Columns.of(gyro.shape[:2], filter.learns_bias)
+        columns = Columns.room_for(filter, gyro.shape[:2])
         _fill(filter, alike[0].t, (gyro, accel, mag), None, columns)
         for i, k in enumerate(members):
             histories[k] = columns.part(i).history(recordings[k])
 
-    _in_threads(together, _alike(recordings, _lanes(filter)), threads)
+    in_threads(together, _alike(recordings, _lanes(filter)), threads)
     return [history for history in histories if history is not None]
 
 
@@ -161,7 +165,7 @@ def _fill(
         filter.batch(states[k], parameters, t, gyro[k], accel[k], mag[k], columns.part(k))
 
 
-def _in_threads(work: Callable[..., None], parts: Iterable[object], threads: int | None) -> None:
+def in_threads(work: Callable[..., None], parts: Iterable[object], threads: int | None) -> None:
     """`work` on every part, at once where there are several threads; the first error is raised."""
     count = len(os.sched_getaffinity(0)) if threads is None else threads
     if count <= 1:

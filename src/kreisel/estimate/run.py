@@ -19,7 +19,7 @@ def run(filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None = No
     Raises ValueError where the filter needs a magnetometer that the recording does not have.
     """
     instance("recording", recording, ImuRecording, SOURCE)
-    columns = Columns.of((len(recording),), filter.learns_bias)
+    columns = Columns.room_for(filter, (len(recording),))
     _fill(filter, recording, R_NS, columns)
     return columns.history(recording)
 
@@ -32,7 +32,7 @@ def run_both(
     The second is the first with all turns about up taken back that the magnetometer asked for: its heading starts
     at zero and drifts, less than that of a run which never saw a magnetometer and learned no bias from it.
     """
-    whole = Columns.of((len(recording),), filter.learns_bias, heading=True)
+    whole = Columns.room_for(filter, (len(recording),), heading=True)
     _fill(filter, recording, R_NS, whole)
     without = Columns.of((len(recording),), filter.learns_bias)
     for new, same in zip(without, whole, strict=True):

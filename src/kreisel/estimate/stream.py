@@ -18,7 +18,7 @@ from kreisel.data.checks import read_only
 from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.estimate import filters as at
 from kreisel.estimate.answers import Columns, show
-from kreisel.estimate.filters import Array, AttitudeFilter
+from kreisel.estimate.filters import Array, AttitudeFilter, KnowingFilter
 from kreisel.maths.kinematics import linear_acceleration
 
 FILTERS = "kreisel.estimate.filters"
@@ -90,6 +90,13 @@ class Stream:
     def heading_offset(self) -> float:
         """What the magnetometer has turned the attitude by, about up, rad."""
         return float(self._state[at.HEADING])
+
+    @property
+    def sigma(self) -> Array | None:
+        """(3,) rad, standard deviation of the attitude error about N axes; None where the filter does not know it."""
+        if not isinstance(self._filter, KnowingFilter):
+            return None
+        return read_only(self._state[self._filter.sigma : self._filter.sigma + 3].copy())
 
     @property
     def rest(self) -> bool:

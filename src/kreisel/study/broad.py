@@ -29,6 +29,11 @@ PEERS = "kreisel.study.peers"
 YARDSTICK = "vqf"
 """The filter that others are measured by."""
 
+SMOOTH = "-smooth"
+"""Behind the name of one of our filters: what it makes of a recording when it also looks ahead."""
+
+_SMOOTHED = ("mekf",)
+
 _SUFFIXES = (".mat", ".hdf5")
 
 
@@ -47,13 +52,16 @@ class Score:
 
 
 def filter_names() -> list[str]:
-    """Our filters, then those of others, by the names users type; nothing is imported."""
-    return [n.replace("_", "-") for package in (FILTERS, PEERS) for n in discovery.names(package)]
+    """Our filters, then ours smoothed, then those of others, by the names users type; nothing is imported."""
+    ours, theirs = ([n.replace("_", "-") for n in discovery.names(p)] for p in (FILTERS, PEERS))
+    return [*ours, *(name + SMOOTH for name in _SMOOTHED), *theirs]
 
 
 def settings(name: str) -> str:
     """What runs under a name and with which tuning: one line."""
-    return _peer(name).SETTINGS if _is_peer(name) else "ours, defaults"
+    if _is_peer(name):
+        return str(_peer(name).SETTINGS)
+    return "ours, defaults; sees the future" if name.endswith(SMOOTH) else "ours, defaults"
 
 
 def installed(name: str) -> bool:
@@ -93,8 +101,10 @@ def estimate(name: str, recording: ImuRecording) -> AttitudeHistory:
     choice("filter", name, filter_names())
     if not _is_peer(name):
         from kreisel.estimate.run import run
+        from kreisel.estimate.smooth import smooth
 
-        return run(discovery.load(FILTERS, _file(name)).FILTER(), recording)
+        filter = discovery.load(FILTERS, _file(name.removesuffix(SMOOTH))).FILTER()
+        return smooth(filter, recording) if name.endswith(SMOOTH) else run(filter, recording)
     if recording.mag_uT is None:
         raise ValueError(f"{name} needs a magnetometer, and {recording.name or 'the recording'} has none.")
     readings = {"gyro": recording.gyro, "accel": recording.accel, "mag_uT": recording.mag_uT}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import glob
 import json
 from argparse import ArgumentParser, Namespace
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +31,7 @@ examples:
   kreisel estimate imu.csv -o attitude.tum
   kreisel estimate trial.mat -o attitude.npz --mode 6
   kreisel estimate flight.mcap --topic /imu/data_raw -o attitude.tum
+  kreisel estimate imu.csv -o attitude.csv --filter mekf --smooth
   kreisel estimate log.csv --frame ned-frd --declination-deg 3.5 --set mag_time=30
   kreisel estimate trial.mat --set published.weight_accel=0.02 --set published.exact=true
   kreisel estimate 'recordings/*.csv' -o attitudes/ --to npz
@@ -44,6 +45,9 @@ def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     add_input_arguments(parser, many=True)
     add_filter_arguments(parser)
+    parser.add_argument(
+        "--smooth", action="store_true", help="look at the whole recording, not only back (--filter mekf)"
+    )
     parser.add_argument(
         "--trust-units", action="store_true", help="estimate even where the numbers look like g or deg/s"
     )
@@ -64,19 +68,17 @@ def configure(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Read, check, estimate, write, sum up; the first file that is not sound ends the command."""
-    from kreisel.estimate.run import run as estimated
-
     if "help" in args.set:
         print(tuning_help(args.filter))
         return 0
     world = choice("--to-frame", args.to_frame or args.frame, tuple(WORLDS))
-    filter, paths = chosen_filter(args), _paths(args.input)
+    estimated, paths = _estimator(args), _paths(args.input)
     outputs = _outputs(args, paths)
     files = []
     for path, output in zip(paths, outputs, strict=True):
         content = read_content(args, path)
         recording = _recording(path, content, args)
-        attitude = estimated(filter, recording)
+        attitude = estimated(recording)
         if output is not None:
             write(output, from_enu_flu(attitude, world), args.to)
         if args.picture is not None:
@@ -87,6 +89,22 @@ def run(args: Namespace) -> int:
     else:
         print("\n".join(_told(args, files)), file=summary_stream(args.output or ""))
     return 0
+
+
+def _estimator(args: Namespace) -> Callable[[ImuRecording], AttitudeHistory]:
+    """What makes an attitude of a recording: the filter asked for, smoothed where that was asked for too."""
+    from functools import partial
+
+    from kreisel.estimate.filters import SmoothingFilter
+    from kreisel.estimate.run import run
+    from kreisel.estimate.smooth import smooth
+
+    filter = chosen_filter(args)
+    if args.smooth and not isinstance(filter, SmoothingFilter):
+        raise ValueError(
+            f"--smooth needs a filter that keeps a covariance: --filter mekf; got {args.filter}."
+        )
+    return partial(smooth if args.smooth else run, filter)
 
 
 def _draw(attitude: AttitudeHistory, picture: str) -> None:
@@ -167,6 +185,7 @@ def _described(args: Namespace) -> dict[str, Any]:
     return {
         "name": args.filter,
         "mode": args.mode,
+        "smooth": args.smooth,
         "set": args.set,
         "declination_deg": args.declination_deg or 0.0,
     }
@@ -188,7 +207,8 @@ def _told(args: Namespace, files: Sequence[dict[str, Any]]) -> list[str]:
         "held",
         "gyro bias, deg/s",
     ]
-    lines = [f"{args.filter}, mode {args.mode or 'auto'}{tuning}; north is {north} north", ""]
+    smooth = ", smoothed" if args.smooth else ""
+    lines = [f"{args.filter}, mode {args.mode or 'auto'}{smooth}{tuning}; north is {north} north", ""]
     lines += [*plain(header, [_row(file) for file in files]), ""]
     if args.output is None:
         lines.append("nothing written: -o attitude.tum keeps the attitude")

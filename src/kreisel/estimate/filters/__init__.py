@@ -74,6 +74,30 @@ class AttitudeFilter(Protocol):
 
 
 @runtime_checkable
+class KnowingFilter(Protocol):
+    """An AttitudeFilter that knows how well it knows; its `batch` fills `sigma` too."""
+
+    @property
+    def sigma(self) -> int:
+        """Where its state has three standard deviations of the attitude error about N axes, rad."""
+        ...
+
+
+@runtime_checkable
+class SmoothingFilter(KnowingFilter, Protocol):
+    """A KnowingFilter that can look at a whole recording."""
+
+    def smoothed(
+        self, t: Array, gyro: Array, accel: Array, mag: Array, out: Columns, R_NS: Array | None = None
+    ) -> None:
+        """Fill `out` with answers that each know all samples, t (n,) s and the others (n, 3).
+
+        R_NS : (3, 3), the first attitude where it is known.
+        """
+        ...
+
+
+@runtime_checkable
 class LaneFilter(Protocol):
     """An AttitudeFilter that can also take several recordings abreast, in the lanes of vector instructions."""
 

@@ -134,9 +134,7 @@ class DcmFilter:
         state[at.R_NS] = state[at.R_NS + 4] = state[at.R_NS + 8] = 1.0
         state[at.CALM] = state[at.FLAGS] = at.HELD
         if R_NS is not None:
-            left, _, right = np.linalg.svd(rotations("R_NS", shaped("R_NS", R_NS, (3, 3))))
-            # What is a rotation to six digits only stands for the nearest one.
-            state[at.R_NS : at.R_NS + 9] = (left @ right).ravel()
+            state[at.R_NS : at.R_NS + 9] = nearest_to_given(R_NS).ravel()
             state[at.CALM] = state[at.FLAGS] = 0.0
             state[at.LEVELLED] = state[at.NORTHED] = 1.0
         if not self.published:
@@ -235,6 +233,15 @@ class DcmFilter:
         (published_lanes if self.published else step_lanes).batch_of_lanes(
             states, parameters, t, gyro, accel, mag, out
         )
+
+
+def nearest_to_given(R_NS: Array) -> Array:
+    """The rotation that a first attitude (3, 3) stands for where it is one to six digits only.
+
+    Raises ValueError for another shape and for what is no rotation.
+    """
+    left, _, right = np.linalg.svd(rotations("R_NS", shaped("R_NS", R_NS, (3, 3))))
+    return np.asarray(left @ right)
 
 
 FILTER = DcmFilter

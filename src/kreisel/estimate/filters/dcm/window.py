@@ -77,7 +77,7 @@ def close_window(state: Array, params: Array) -> None:
     """Correct what the sums of a window, its last part among them, tell, and begin another."""
     if state[at.LEVELLED] == 1.0:
         state[at.CALM] = _correct(state, params) if params[at.DOF] > 0.0 else 0.0
-    _turn_world(state, (-state[at.CORRECTION], -state[at.CORRECTION + 1], -state[at.CORRECTION + 2]))
+    turn_world(state, (-state[at.CORRECTION], -state[at.CORRECTION + 1], -state[at.CORRECTION + 2]))
     for i in range(at.CORRECTION, at.CORRECTION + at.ERRORS):
         state[i] = 0.0
     for i in range(at.SUMS, at.SUMS_END):
@@ -119,7 +119,7 @@ def _observe_velocity(state: Array, params: Array, P: Array, rest: bool) -> None
 
 
 @kernel
-def _turn_world(state: Array, theta: Vector) -> None:
+def turn_world(state: Array, theta: Vector) -> None:
     """R_NS <- Exp(theta) R_NS with theta in N, orthonormal to round-off."""
     east, north, up = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
     # Rows of Exp(theta) are the columns of Exp(-theta).

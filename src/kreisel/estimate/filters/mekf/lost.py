@@ -1,0 +1,89 @@
+"""Turns an answer that cannot be right into one that begins anew, and tells such an answer by the mean of the force.
+
+A gyro that froze or saturated leaves an attitude that is wrong and yet believed. Accelerations end; gravity does not:
+over some seconds the mean of the specific force points up, and where it does not, the answer is lost.
+"""
+
+import math
+
+from kreisel.estimate.filters.dcm.covariance import GRAVITY
+from kreisel.estimate.filters.dcm.window import turn_world
+from kreisel.estimate.filters.mekf import layout as at
+from kreisel.maths.kernels import kernel
+from kreisel.maths.vectors import Array, Vector, dot, load, scaled, store, unit
+
+# s, over which the force is averaged.
+_TIME = 6.0
+
+# rad: a tilt of the mean that accelerations of a vehicle do not make; standard deviations of the tilt it must be as
+# well.
+_TILTED, _GATE = 0.35, 5.0
+
+# rad: an answer that is known no better than that is none.
+_UNKNOWN = 1.0
+
+# rad: what a mean of the force and a first field leave open.
+_NEW_TILT, _NEW_HEADING = 0.35, 1.0
+
+# rad/s and 1: how wrong bias and scale may have become before.
+_NEW_BIAS, _NEW_SCALE = 5e-3, 2e-3
+
+
+@kernel
+def is_lost(state: Array, P: Array) -> bool:
+    """Whether attitude is unknown, or known and wrong; the mean of the force moves on by one window."""
+    tilt2 = 0.5 * (P[0, 0] + P[1, 1])
+    seconds = state[at.ACCEL_TIME]
+    if seconds > 0.0:
+        k = 1.0 - math.exp(-seconds / _TIME)
+        for i in range(3):
+            mean = state[at.FORCE_SUM + i] / seconds
+            state[at.MEAN_FORCE + i] += k * (mean - state[at.MEAN_FORCE + i])
+    east, north, up = load(state, at.MEAN_FORCE)
+    tilted = math.atan2(math.hypot(east, north), up)
+    return tilt2 > _UNKNOWN**2 or (tilted > _TILTED and tilted > _GATE * math.sqrt(tilt2))
+
+
+@kernel
+def begin_again(state: Array, P: Array) -> None:
+    """Level by the mean of the force, or by the next sample where that is old; keep what is known of the sensors."""
+    up = unit(load(state, at.MEAN_FORCE))
+    if 0.5 * (P[0, 0] + P[1, 1]) > _UNKNOWN**2 or dot(up, up) == 0.0:
+        state[at.LEVELLED] = 0.0
+    else:
+        _level(state, up)
+    state[at.NORTHED] = 0.0
+    for i in range(2):
+        _renew(P, i, _NEW_TILT**2)
+        _renew(P, at.V + i, 1.0)
+        _renew(P, at.S + i, 0.0)
+        state[at.VELOCITY + i] = 0.0
+    for i in range(3):
+        _renew(P, at.U + i, 1.0)
+        state[at.TRAVEL + i] = 0.0
+    _renew(P, 2, _NEW_HEADING**2)
+    _renew(P, at.D, state[at.SPREAD])
+    # What is wrong may have taught wrong constants as well.
+    for i in range(at.B, at.B + 3):
+        P[i, i] += _NEW_BIAS**2
+    for i in range(at.C, at.C + 9):
+        P[i, i] += _NEW_SCALE**2
+    state[at.TURNED] = state[at.SPAN] = state[at.CONTRARY] = 0.0
+    store(state, at.MEAN_FORCE, (0.0, 0.0, GRAVITY))
+
+
+@kernel
+def _renew(P: Array, i: int, variance: float) -> None:
+    """An error that has nothing to do with any other."""
+    for j in range(P.shape[0]):
+        P[i, j] = P[j, i] = 0.0
+    P[i, i] = variance
+
+
+@kernel
+def _level(state: Array, up: Vector) -> None:
+    """Turn R_NS the shortest way that makes the direction `up`, in N as it was, the new up."""
+    angle = math.atan2(math.hypot(up[0], up[1]), up[2])
+    axis = unit((up[1], -up[0], 0.0))
+    # Upside down any axis will do.
+    turn_world(state, scaled(angle, axis if dot(axis, axis) > 0.0 else (1.0, 0.0, 0.0)))

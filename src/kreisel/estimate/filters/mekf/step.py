@@ -1,0 +1,118 @@
+"""Turns gyro, accelerometer and magnetometer samples into attitude by the error-state filter.
+
+Each sample turns R_NS by Exp and adds to the sums of a short window, which corrects the attitude when it closes.
+"""
+
+from kreisel.estimate.answers import Columns, tell
+from kreisel.estimate.filters.dcm.start import bridge, is_rate, start
+from kreisel.estimate.filters.dcm.step import NO_FORCE, corrected, turned
+from kreisel.estimate.filters.mekf import layout as at
+from kreisel.estimate.filters.mekf.window import close_part
+from kreisel.maths.kernels import inlined, kernel
+from kreisel.maths.vectors import Array, Rows, Vector, added, cross, dot, load, norm, scaled, store
+
+# uT: a hundred Earth's fields and more, beside which nobody looks for north; or a fault.
+_NO_FIELD = 1e4
+
+# rad/s: a rate that is the same to the last bit and larger than that is where a gyro's range ends, once it has lasted
+# this long, s.
+_FAST = 0.5
+_CLIPPED = 0.05
+
+
+@inlined
+def _is_clipped(gyro: Vector, latest: Vector) -> bool:
+    """Whether any axis reads the same large rate as the sample before."""
+    x = gyro[0] == latest[0] and abs(gyro[0]) > _FAST
+    y = gyro[1] == latest[1] and abs(gyro[1]) > _FAST
+    return x or y or (gyro[2] == latest[2] and abs(gyro[2]) > _FAST)
+
+
+@inlined
+def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, dt: float) -> None:
+    """Move `state` over the `dt` seconds that end with these samples."""
+    waits = state[at.LEVELLED] == 0.0 or state[at.NORTHED] < params[at.START_NORTH]
+    if (waits and start(state, params, accel, mag)) or not dt > 0.0:
+        return
+    state[at.FLAGS] = state[at.CALM]
+    latest = load(state, at.RATE)
+    if is_rate(gyro):
+        state[at.GAP] = 0.0
+        state[at.CLIPPED] = state[at.CLIPPED] + dt if _is_clipped(gyro, latest) else 0.0
+        state[at.MISSING] += dt if state[at.CLIPPED] > _CLIPPED else 0.0
+        store(state, at.RATE, gyro)
+    else:
+        gyro = bridge(state, params, dt)
+    if dt > params[at.HOLD]:
+        state[at.MISSING] += dt
+    turn = scaled(dt, gyro)
+    rows = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
+    scale = load(state, at.SCALE), load(state, at.SCALE + 3), load(state, at.SCALE + 6)
+    theta = corrected(turn, scale, load(state, at.GYRO_BIAS), dt)
+    theta = added(theta, params[at.CONING] * dt * dt, cross(latest, gyro))
+    rows = turned(rows, theta)
+    store(state, at.R_NS, rows[0])
+    store(state, at.R_NS + 3, rows[1])
+    store(state, at.R_NS + 6, rows[2])
+    state[at.LENGTH] += dt
+    store(state, at.GYRO_SUM, added(load(state, at.GYRO_SUM), 1.0, turn))
+    state[at.GYRO_SQUARES] += dt * dot(gyro, gyro)
+    _sum_force(state, rows, gyro, accel, dt)
+    _sum_field(state, rows, gyro, mag, dt)
+    if state[at.LENGTH] > state[at.NEXT_PART]:
+        close_part(state, params)
+
+
+@inlined
+def _sum_force(state: Array, rows: Rows, gyro: Vector, accel: Vector, dt: float) -> None:
+    a2 = dot(accel, accel)
+    # A dead sensor's zero and NaN fail here too.
+    if not 0.0 < a2 < NO_FORCE**2:
+        return
+    east, north, up = rows
+    force = dot(east, accel), dot(north, accel), dot(up, accel)
+    store(state, at.FORCE_SUM, added(load(state, at.FORCE_SUM), dt, force))
+    store(state, at.ACCEL_SUM, added(load(state, at.ACCEL_SUM), dt, accel))
+    state[at.ACCEL_SQUARES] += dt * a2
+    pushed = cross(gyro, accel)
+    state[at.LAG_SUM] += dt * dot(east, pushed)
+    state[at.LAG_SUM + 1] += dt * dot(north, pushed)
+    state[at.ACCEL_TIME] += dt
+
+
+@inlined
+def _sum_field(state: Array, rows: Rows, gyro: Vector, mag: Vector, dt: float) -> None:
+    if not 0.0 < dot(mag, mag) < _NO_FIELD**2:
+        return
+    old = load(state, at.LATEST_MAG)
+    same = mag[0] == old[0] and mag[1] == old[1] and mag[2] == old[2]
+    state[at.STUCK] = state[at.STUCK] + dt * norm(gyro) if same else 0.0
+    store(state, at.LATEST_MAG, mag)
+    field = dot(rows[0], mag), dot(rows[1], mag), dot(rows[2], mag)
+    store(state, at.MAG_SUM, added(load(state, at.MAG_SUM), 1.0, field))
+    state[at.MAG_COUNT] += 1.0
+
+
+@kernel
+def update(state: Array, params: Array, sample: Array, dt: float) -> None:
+    """One step, `sample` (9,) being gyro, accel and mag."""
+    step(state, params, load(sample, 0), load(sample, 3), load(sample, 6), dt)
+
+
+@inlined
+def tell_all(state: Array, out: Columns, i: int) -> None:
+    """Put all that a state says in row i of `out`."""
+    tell(state, out, i)
+    out.gyro_bias[i, 0], out.gyro_bias[i, 1], out.gyro_bias[i, 2] = load(state, at.GYRO_BIAS)
+    out.sigma[i, 0], out.sigma[i, 1], out.sigma[i, 2] = load(state, at.SIGMA)
+
+
+@kernel
+def batch(state: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, out: Columns) -> None:
+    """The steps through all samples, and what the state says after each."""
+    for i in range(t.shape[0]):
+        g = gyro[i, 0], gyro[i, 1], gyro[i, 2]
+        a = accel[i, 0], accel[i, 1], accel[i, 2]
+        m = mag[i, 0], mag[i, 1], mag[i, 2]
+        step(state, params, g, a, m, t[i] - t[max(i - 1, 0)])
+        tell_all(state, out, i)
