@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from kreisel.data.motion import Note as Note
     from kreisel.data.noise import NoiseModel as NoiseModel
     from kreisel.data.recording import ImuRecording as ImuRecording
+    from kreisel.data.smoothing import Smoothing as Smoothing
     from kreisel.data.temperature import TemperatureHistory as TemperatureHistory
     from kreisel.data.trajectory import Poses as Poses
     from kreisel.data.trajectory import Trajectory as Trajectory
@@ -159,6 +160,7 @@ _HOMES = {
     "Sampling": "kreisel.simulate.clock",
     "ScaleFactor": "kreisel.simulate.effects.scale_factor",
     "Scenario": "kreisel.study.scenario",
+    "Smoothing": "kreisel.data.smoothing",
     "Stream": "kreisel.estimate.stream",
     "TemperatureBias": "kreisel.simulate.effects.temperature_bias",
     "TemperatureHistory": "kreisel.data.temperature",
