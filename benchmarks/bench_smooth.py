@@ -156,12 +156,12 @@ def poses(n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def seconds(method: str, data: tuple[np.ndarray, np.ndarray, np.ndarray], step: int) -> float:
-    """The fit, and the motion of all samples in parts of `step`, as memory allows."""
-    started = time.perf_counter()
+    """CPU time of the fit, and of the motion of all samples in parts of `step`, as memory allows."""
+    started = time.process_time()
     trajectory = SampledTrajectory(*data, method, order="wxyz")
     for first in range(0, len(data[0]), step):
         trajectory.sample(data[0][first : first + step])
-    return time.perf_counter() - started
+    return time.process_time() - started
 
 
 def cost(most: int = 10_000_000) -> None:

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from kreisel.data.noise import NoiseModel as NoiseModel
     from kreisel.data.recording import ImuRecording as ImuRecording
     from kreisel.data.segment import Segment as Segment
+    from kreisel.data.smoothing import Smoothing as Smoothing
     from kreisel.data.temperature import TemperatureHistory as TemperatureHistory
     from kreisel.data.trajectory import Poses as Poses
     from kreisel.data.trajectory import Trajectory as Trajectory
@@ -195,6 +196,7 @@ _HOMES = {
     "ScaleFactor": "kreisel.simulate.effects.scale_factor",
     "Scenario": "kreisel.study.scenario",
     "Segment": "kreisel.data.segment",
+    "Smoothing": "kreisel.data.smoothing",
     "Stream": "kreisel.estimate.stream",
     "TemperatureBias": "kreisel.simulate.effects.temperature_bias",
     "TemperatureHistory": "kreisel.data.temperature",

@@ -40,6 +40,6 @@ def test_the_variance_of_noise_alone_is_what_draws_show(rng):
     spread = np.mean(np.square(draws), axis=(0, 3))[:, 100:-100].mean(axis=1)
     known = evaluated(Piece(Samples(t, np.zeros((400, 2))), choice), t)[1][:, 100:-100].mean(axis=1)
     shares = np.array([1.0 - blocks.lost_share(order) for order in range(3)])
-    # 300 draws of some 40 independent places: a hundredth; at this penalty samples differ from the integrals over all
-    # frequencies, from which the shares come, by another.
-    np.testing.assert_allclose(spread / known, shares, rtol=0.05)
+    # 300 draws of some 20 independent places know a variance to 2 %: four of these; 1500 draws differ by 1.5 % from
+    # the shares, which come from integrals over all frequencies.
+    np.testing.assert_allclose(spread / known, shares, rtol=0.09)

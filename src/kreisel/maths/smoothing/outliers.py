@@ -30,8 +30,8 @@ Indices = npt.NDArray[np.intp]
 FEWEST = 20
 """Samples between two breaks; fewer are outliers."""
 
-# Standard deviations. Gaussian noise passes 5.5 once in thirty million samples; a step is looked for with more
-# freedom, so that a little more is asked of it.
+# Standard deviations. Gaussian noise passes 5.5 once in thirty million samples, and in longer recordings more is asked;
+# a step is looked for with more freedom, so that a little more is asked of it as well.
 _OUTLIER, _STEP = 5.5, 6.5
 
 # In one round only what is at least this share of the largest: lesser ones may be its echo.
@@ -123,7 +123,7 @@ def _events(fits: Sequence[Fit], division: Division) -> list[Event]:
     pulses, steps = (
         np.max(scores, axis=0) for scores in zip(*(_scores(fit, division) for fit in fits), strict=True)
     )
-    least = _SHARE * max(pulses.max(), steps.max())
+    least = max(_SHARE * max(pulses.max(), steps.max()), np.sqrt(2.0 * np.log(100.0 * len(pulses))))
     loud = np.flatnonzero((pulses > max(_OUTLIER, least)) | (steps > max(_STEP, least)))
     if not loud.size:
         return []
