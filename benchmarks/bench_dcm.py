@@ -3,10 +3,10 @@
 Run: .venv/bin/python benchmarks/bench_dcm.py [samples]     (one thread; default 4000 a sequence, 256 sequences)
 
 Limit of a single sequence: each step waits for the one before. The published step's longest chain is some thirty
-additions and multiplications of 4 cycles, one root and one division that follow each other: 130 cycles, 43 ns at
-3 GHz, while its 330 operations would fit into 25 ns. Of sixteen sequences abreast, four to a vector, the operations
-are the limit: 330 / 4 / 2 a cycle and 4 roots and 4 divisions, some 60 cycles or 20 ns. What goes in and out is 72
-and 123 bytes a sample, 20 ns more from and to main memory.
+additions and multiplications of 3 and 4 cycles, one root and one division that follow each other: 100 cycles, 34 ns at
+3 GHz, and its 250 operations take as long on three units. Of sixteen sequences abreast, eight to a vector, the
+operations are the limit: 250 / 8 / 2 a cycle, 2 roots and 2 divisions, some 25 cycles or 8 ns. What goes in and out is
+72 and 75 bytes a sample, 20 ns more from and to main memory.
 """
 
 from __future__ import annotations

@@ -23,8 +23,8 @@ import numpy as np
 
 from kreisel import FunctionTrajectory, Imu, Motion, Mount, SampledTrajectory, lissajous
 from kreisel.maths.rotations import exp_so3
-from kreisel.maths.smoothing.likelihood import Choice
 from kreisel.maths.smoothing.blocks import Piece
+from kreisel.maths.smoothing.likelihood import Choice
 from kreisel.maths.smoothing.spline import SmoothSignal, smoothing_spline
 from kreisel.maths.smoothing.system import Smoothness
 
@@ -76,7 +76,7 @@ def coverage(draws: int = 200) -> None:
             print(
                 f"  {sensor}: all {inside.mean():.3f}, axes {np.round(inside.mean(axis=(0, 1)), 3)}, "
                 f"inside {inside[:, 50:-50].mean():.3f}, first and last ten {over_time[:10].mean():.3f} "
-                f"{over_time[-10:].mean():.3f}, over time 1 % and 99 % {np.round(np.quantile(over_time, (0.01, 0.99)), 3)}; "
+                f"{over_time[-10:].mean():.3f}, over time {np.round(np.quantile(over_time, (0.01, 0.99)), 3)}; "
                 f"RMS with ends / inside {np.mean([rms(e) for e in errors]):.4f} / "
                 f"{np.mean([rms(e[50:-50]) for e in errors]):.4f}"
             )
@@ -97,7 +97,9 @@ def best(signal: SmoothSignal, t: np.ndarray, exact: np.ndarray) -> float:
 
 
 def correlated(draws: int = 10) -> None:
-    print("correlated noise: acceleration of the centre RMS found / best for white noise, accelerometer RMS, coverage")
+    print(
+        "correlated noise: acceleration of the centre RMS found / best for white noise, accelerometer RMS, coverage"
+    )
     for name, path in CASES.items():
         truth = path.sample(np.arange(1001) / 200.0)
         exact = IMU.ideal(truth)
@@ -114,7 +116,9 @@ def correlated(draws: int = 10) -> None:
                 ]
                 signal = smoothing_spline(truth.t, trajectory.position)
                 own = rms(motion.a_NB - truth.a_NB)
-                rows.append([own, best(signal, truth.t, truth.a_NB), rms(reading.accel - exact.accel), *inside])
+                rows.append(
+                    [own, best(signal, truth.t, truth.a_NB), rms(reading.accel - exact.accel), *inside]
+                )
             a, least, accel, *inside = np.mean(rows, axis=0)
             print(
                 f"  case {name}, {1e3 * memory:3.0f} ms: {a:.3f} / {least:.3f} = {a / least:.2f}, accelerometer "
@@ -165,9 +169,12 @@ def cost(most: int = 10_000_000) -> None:
     for n in [n for n in (1_000, 10_000, 100_000, 1_000_000, 10_000_000) if n <= most]:
         data = poses(n)
         rounds = 3 if n <= 100_000 else 1
-        smooth, plain = (min(seconds(m, data, 1_000_000) for _ in range(rounds)) for m in ("smooth", "spline"))
+        smooth, plain = (
+            min(seconds(m, data, 1_000_000) for _ in range(rounds)) for m in ("smooth", "spline")
+        )
         print(
-            f"  {n:9d} poses: {1e6 * smooth / n:7.2f} us a pose, spline {1e6 * plain / n:6.2f}, ratio {smooth / plain:5.1f}, "
+            f"  {n:9d} poses: {1e6 * smooth / n:7.2f} us a pose, spline {1e6 * plain / n:6.2f}, "
+            f"ratio {smooth / plain:5.1f}, "
             f"peak memory {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6:.1f} GB",
             flush=True,
         )

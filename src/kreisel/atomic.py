@@ -1,4 +1,4 @@
-"""Turns a writing block into a whole file or none: a temporary name in the same folder, then a rename."""
+"""Turns a writing block into a whole file, or folder, or none: a temporary name beside it, then a rename."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import contextlib
 import io
 import os
 import secrets
+import shutil
 import sys
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
@@ -24,6 +25,33 @@ def replacing(path: PathLike) -> AbstractContextManager[BinaryIO]:
     """
     refuse_unwritable(path)
     return _through(Path(path)) if _writes_through(path) else _whole(Path(path))
+
+
+@contextlib.contextmanager
+def new_folder(path: PathLike) -> Iterator[Path]:
+    """The path of a folder to make, which appears as `path` when the block ends; its own name is the same.
+
+    An error or Ctrl-C inside the block leaves nothing behind. A folder that is there already is never replaced.
+    Raises OSError with one sentence that names the folder, the cause and the cure.
+    """
+    final = Path(os.path.realpath(path))
+    if final.exists():
+        raise FileExistsError(f"cannot write {path}: it exists already. Choose another name or remove it.")
+    if not final.parent.is_dir():
+        raise FileNotFoundError(
+            f"cannot write {path}: the folder {final.parent} does not exist. Create it first."
+        )
+    around = final.with_name(f".{final.name}.{secrets.token_hex(4)}.part")
+    try:
+        around.mkdir()
+        yield around / final.name
+        (around / final.name).rename(final)
+    except OSError as error:
+        if error.errno is None:
+            raise
+        raise _explained(error, Path(path), final.parent) from error
+    finally:
+        shutil.rmtree(around, ignore_errors=True)
 
 
 def refuse_unwritable(path: PathLike) -> None:

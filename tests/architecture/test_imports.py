@@ -11,6 +11,7 @@ from importlinter.cli import lint_imports
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "src"
 HEAVY = {"pydantic", "matplotlib", "scipy", "numba", "bokeh", "PIL", "pandas", "rosbags", "dask"}
+HEAVY |= {"xarray", "h5py", "h5netcdf", "pyarrow", "rerun", "mcap", "mcap_ros2"}
 
 
 def module_names() -> list[str]:

@@ -56,3 +56,10 @@ def test_a_gap_is_one_line_and_exit_code_one(rest, tmp_path, capsys) -> None:
     assert main(["allan", str(tmp_path / "gap.csv")]) == 1
     err = capsys.readouterr().err
     assert "even steps" in err and err.count("\n") == 1
+    # What the message says to take is taken.
+    first, last = err.split("runs from ")[1].split(" s after")[0].split(" to ")
+    assert (first, last) == ("1.09", "49.99")
+    assert main(["allan", str(tmp_path / "gap.csv"), "--start", first, "--end", last]) == 0
+    assert "4891 samples" in capsys.readouterr().out
+    assert main(["allan", str(tmp_path / "gap.csv"), "--start", "90"]) == 1
+    assert "leave no sample; the recording lasts 49.99 s" in capsys.readouterr().err

@@ -72,6 +72,29 @@ def test_a_measured_sensor_goes_to_kalibr_and_is_read_back(tmp_path, capsys):
     assert "0.3438 deg/sqrt(h)" in capsys.readouterr().out
 
 
+def test_a_preset_without_random_walks_goes_to_kalibr_with_those_given(tmp_path, capsys):
+    path = tmp_path / "imu.yaml"
+    given = ["--gyro-walk", "2e-5", "--accel-walk", "3e-4"]
+    assert main(["sensors", "bmi088", "--kalibr", str(path), *given]) == 0
+    found = read_kalibr(path)
+    assert found.gyro.bias_random_walk[0] == 2e-5 and found.accel.bias_random_walk[0] == 3e-4
+    # 0.014 deg/s/sqrt(Hz), one-sided.
+    np.testing.assert_allclose(found.gyro.white_noise, np.deg2rad(0.014) / np.sqrt(2))
+    assert (
+        main(["sensors", "bmi088", "--kalibr", str(path), "--gyro-walk", "-1", "--accel-walk", "3e-4"]) == 1
+    )
+    assert "bias_random_walk must be 0 or more, unit/sqrt(s); got -1" in capsys.readouterr().err
+
+
+def test_both_columns_say_the_same(capsys):
+    assert main(["sensors", "mti1"]) == 0
+    row = next(
+        line for line in capsys.readouterr().out.splitlines() if "gyro bias instability, floor" in line
+    )
+    # 10 deg/h in rad/s; B, which it is made of, is 1.5 times that.
+    assert float(row.split()[-2]) == pytest.approx(np.deg2rad(10.0) / 3600.0, rel=1e-3)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

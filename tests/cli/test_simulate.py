@@ -69,12 +69,24 @@ def test_check_integrates_the_data_back(poses, tmp_path, capsys):
     imus = ["--imu", "nose:0.5,0,0", "--imu", "tail:-0.5,0,0"]
     assert main(["simulate", str(poses), "-o", out, "--no-pictures", "--check", *imus]) == 0
     text = capsys.readouterr().out
-    found = re.findall(r"(\w+) (rates|increments) +(\S+) m, (\S+) m/s, (\S+) deg", text)
+    found = re.findall(r"(\w+) ideal (rates|increments) +(\S+) m, (\S+) m/s, (\S+) deg", text)
     assert [(name, kind) for name, kind, *_ in found] == [
         (name, kind) for name in ("nose", "tail") for kind in ("rates", "increments")
     ]
     # A circle at constant rate, 50 samples a radian, back to what its spline knows of it over 4 s.
     assert all(float(p) < 1e-6 and float(v) < 1e-6 and float(turn) < 1e-6 for *_, p, v, turn in found)
+
+
+def test_check_tells_what_a_sensor_drifts_from_what_the_method_loses(poses, tmp_path, capsys):
+    command = ["simulate", str(poses), "-o", str(tmp_path / "out"), "--no-pictures", "--check"]
+    assert main([*command, "--imu", "mpu6050", "--imu", "perfect:0,0,0"]) == 0
+    text = capsys.readouterr().out
+    found = {
+        kind: float(p) for kind, p in re.findall(r"mpu6050 (ideal rates|with its errors) +(\S+) m,", text)
+    }
+    # Its accelerometers are off by 0.5 m/s^2, which makes a metre and more in 4 s.
+    assert found["ideal rates"] < 1e-6 < 0.1 < found["with its errors"]
+    assert "perfect with" not in text
 
 
 def test_ned_in_and_out(poses, tmp_path):
@@ -150,7 +162,8 @@ def test_imus_that_would_share_a_file_are_refused(poses, tmp_path, capsys):
 def test_formats_that_hold_no_imu_are_refused_before_anything_is_written(poses, tmp_path, capsys):
     assert main(["simulate", str(poses), "-o", str(tmp_path / "out"), "--imu-format", "tum"]) == 1
     assert not (tmp_path / "out").exists()
-    assert "'csv', 'euroc-imu', 'mat', 'npz'; got 'tum'" in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert "one of 'csv', 'euroc-imu'," in error and "got 'tum'" in error
 
 
 def test_a_write_protected_file_is_left_alone(poses, tmp_path, capsys):
@@ -392,3 +405,40 @@ def test_places_and_dates_that_are_none_end_in_one_line(options, message, standi
     assert err.startswith("kreisel: ") and err.count("\n") == 1
     assert message in err
     assert not (tmp_path / "out").exists()
+
+
+def test_noise_and_gaps_can_be_told_on_the_command_line(tmp_path, capsys):
+    t = np.arange(200) / 100.0
+    rng = np.random.default_rng(1)
+    p = np.stack([np.sin(t), np.cos(t), 0.1 * t], axis=1) + 1e-3 * rng.normal(size=(200, 3))
+    kept = (t < 0.8) | (t > 1.2)
+    file = tmp_path / "poses.csv"
+    write(file, Poses(t[kept], p[kept]))
+    arguments = ["simulate", str(file), "-o", str(tmp_path / "out"), "--no-pictures"]
+    assert main(arguments) == 1
+    # 0.8 is within half a rounding of the last stamp that is kept.
+    assert re.search(r"no positions from t = 0\.(79|8) to 1\.21 s.*--max-gap", capsys.readouterr().err)
+    assert main([*arguments, "--max-gap", "0.5", "--noise", "1/1/2mm"]) == 0
+    out = capsys.readouterr().out
+    assert "positions smoothed for noise of 1 / 1 / 2 mm; they show" in out and "bridged" in out
+    recording = read(tmp_path / "out" / "imu.csv", kind="imu")
+    assert recording.accel_sigma is not None and recording.gyro_sigma is not None
+
+
+@pytest.mark.parametrize(
+    ("noise", "message"),
+    [
+        ("0.1", "numbers with their unit"),
+        ("0.1mm,1deg,3s", "LENGTH[,ANGLE]"),
+        ("0.1/0.2mm", "one number or three"),
+        ("0.1deg", "'deg' is no unit of length"),
+        ("0mm", "position_noise must be above 0, in m"),
+        ("-1mm", "position_noise must be above 0, in m"),
+    ],
+)
+def test_noise_that_cannot_be_is_refused(tmp_path, capsys, noise, message):
+    t = np.arange(50) / 100.0
+    write(tmp_path / "poses.csv", Poses(t, np.stack([t, t, t], axis=1)))
+    source, out = str(tmp_path / "poses.csv"), str(tmp_path / "out")
+    assert main(["simulate", source, "-o", out, f"--noise={noise}", "--no-pictures"]) == 1
+    assert message in capsys.readouterr().err

@@ -153,3 +153,11 @@ def test_a_deviation_north_is_one_north_in_any_world() -> None:
 def test_an_unknown_world_suggests_a_known_one() -> None:
     with pytest.raises(ValueError, match="Did you mean 'ned-frd'"):
         to_enu_flu(resting(), "ned_frd")
+
+
+def test_the_deviation_of_noise_follows_its_axis_and_has_no_sign() -> None:
+    ours = ImuRecording(T, ZERO, ZERO, gyro_noise=[1.0, 2.0, 3.0], accel_noise=0.5)
+    for world in WORLDS:
+        theirs = from_enu_flu(ours, world)
+        np.testing.assert_array_equal(theirs.gyro_noise, [1.0, 2.0, 3.0])
+        np.testing.assert_array_equal(theirs.accel_noise, [0.5, 0.5, 0.5])

@@ -93,8 +93,13 @@ def test_gaps_and_missing_samples_are_refused_where_they_are() -> None:
         allan(cut)
     gyro = STILL.gyro.copy()
     gyro[77] = np.nan
-    with pytest.raises(ValueError, match="gyro must be finite; row 77"):
+    with pytest.raises(
+        ValueError, match=r"gyro row 77 at t = 1\.54 s is \[nan nan nan\] \(1 such rows\)"
+    ) as told:
         allan(replace(STILL, gyro=gyro))
+    # Rows 78 and later, at 50 Hz.
+    assert f"runs from 1.56 to {T[-1] - T[0]:.10g} s after the first sample" in str(told.value)
+    assert allan(replace(STILL, gyro=gyro).rows(slice(78, None))).samples == len(T) - 78
 
 
 def test_an_axis_that_never_changes_and_a_record_too_short_are_refused() -> None:

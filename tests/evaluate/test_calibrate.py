@@ -138,7 +138,7 @@ def test_a_missing_sample_stays_missing() -> None:
 def test_motion_that_shows_too_little_is_refused_by_axis() -> None:
     about_z = poses([exp_so3(np.array([0.0, 0.0, a])) for a in np.linspace(0.0, 6.0, 14)])
     flat = record(about_z)
-    with pytest.raises(ValueError, match=r"mag never turned enough .* across z: z ranges over"):
+    with pytest.raises(ValueError, match=r"mag never turned enough: its z axis ranges over"):
         calibrate_mag(flat)
     with pytest.raises(ValueError, match="accel never turned"):
         calibrate_accel(flat)

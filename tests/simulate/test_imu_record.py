@@ -255,3 +255,17 @@ def test_two_of_a_kind_may_go_by_different_names(rng: np.random.Generator) -> No
 def test_a_seed_must_be_one() -> None:
     with pytest.raises(TypeError, match="rng must be a seed"):
         Imu().record(MOTION, None)  # type: ignore[arg-type]
+
+
+def test_the_recording_says_how_large_the_white_noise_of_a_sample_is() -> None:
+    imu = Imu(
+        gyro_effects=[WhiteNoise(1e-3), WhiteNoise([0.0, 0.0, 1e-3], name="more"), TurnOnBias(sigma=0.01)],
+        mag_effects=[WhiteNoise(0.1)],
+        environment=SURROUNDINGS,
+        clock=Clock(mag=Sampling(rate=20.0)),
+    )
+    measured = imu.record(MOTION, 1).measured
+    # Per axis the root of the sum of squares, density sqrt(rate): 200 Hz, and 20 Hz for the magnetometer.
+    np.testing.assert_allclose(measured.gyro_noise, 1e-3 * np.sqrt([200.0, 200.0, 400.0]), rtol=1e-9)
+    np.testing.assert_allclose(measured.mag_noise_uT, 0.1 * np.sqrt(20.0), rtol=1e-9)
+    assert measured.accel_noise is None

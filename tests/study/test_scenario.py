@@ -17,7 +17,7 @@ from kreisel.data.environment import Environment
 from kreisel.data.trajectory import Poses
 from kreisel.files.doors import write
 from kreisel.simulate.trajectories.functions import FunctionTrajectory
-from kreisel.study.building import surroundings
+from kreisel.study.building import build, surroundings
 from kreisel.study.scenario import (
     DisturbanceRecipe,
     EnvironmentRecipe,
@@ -434,3 +434,16 @@ def test_importing_study_waits_with_pydantic():
         [sys.executable, "-c", program], env={"PYTHONPATH": str(ROOT / "src")}, capture_output=True, text=True
     )
     assert done.stdout == "[]\n", done.stderr
+
+
+def test_a_file_takes_the_noise_and_gaps_of_its_poses(tmp_path: Path) -> None:
+    rng, t = np.random.default_rng(3), np.arange(200) / 100.0
+    p = np.stack([np.sin(t), np.cos(t), 0.1 * t], axis=1) + 1e-3 * rng.normal(size=(200, 3))
+    kept = (t < 0.8) | (t > 1.2)
+    write(tmp_path / "p.csv", Poses(t[kept], p[kept]))
+    text = '[trajectory]\nkind = "file"\npath = "p.csv"\nposition_noise = [1e-3, 1e-3, 2e-3]\n'
+    with pytest.raises(ValueError, match=r"no positions from t = .*max_gap=0.4"):
+        Scenario.from_toml(text, folder=tmp_path)
+    scenario = Scenario.from_toml(text + "max_gap = 0.5\n", folder=tmp_path)
+    trajectory = build(scenario).trajectory
+    np.testing.assert_array_equal(trajectory.position_smoothing.sigma, [1e-3, 1e-3, 2e-3])

@@ -17,7 +17,7 @@ from kreisel.files.formats import Content, Noun
 
 
 def add_input_arguments(parser: ArgumentParser, many: bool = False) -> None:
-    """`input` (a list with `many`), --from, --kind, --frame, --column, --input-rate and --times."""
+    """`input` (a list with `many`), --from, --kind, --frame, --column, --input-rate, --times and --topic."""
     if many:
         parser.add_argument("input", nargs="+", metavar="FILE", help="files to read")
     else:
@@ -46,6 +46,13 @@ def add_input_arguments(parser: ArgumentParser, many: bool = False) -> None:
     )
     parser.add_argument("--input-rate", type=float, metavar="HZ", help="rate of an input that holds no time")
     parser.add_argument("--times", metavar="FILE", help="stamps in s, one a line, for an input without time")
+    parser.add_argument(
+        "--topic",
+        action="append",
+        metavar="TOPIC",
+        help="topic of a ROS bag, as in --topic /imu/data or --topic /tf:odom.base_link (kreisel info lists them); "
+        "a second one names the magnetometer's, where it is not clear",
+    )
 
 
 def read_input(args: Namespace, path: str | None = None, kind: str | None = None) -> Noun:
@@ -68,6 +75,7 @@ def read_content(args: Namespace, path: str | None = None, kind: str | None = No
         columns=parse_columns(args.column),
         rate_hz=args.input_rate,
         times=args.times,
+        topic=args.topic or (),
     )
 
 

@@ -17,6 +17,7 @@ from kreisel.data.motion import Motion, Mount, Note
 from kreisel.files.doors import suffix, write
 
 if TYPE_CHECKING:
+    from kreisel.data.increments import ImuIncrements
     from kreisel.data.recording import ImuRecording
     from kreisel.evaluate.attitude_errors import Summary
     from kreisel.simulate.imu import Imu
@@ -135,6 +136,7 @@ def simulation_outputs(
     imu_format: str = "csv",
     pictures: bool = True,
     animation: bool = False,
+    rerun: bool = False,
 ) -> list[Output[Simulated]]:
     """IMU data, truth and pictures of a simulation whose IMUs have these names; `erring` are those with errors."""
     from kreisel.cli.error_terms import write_error_terms
@@ -170,6 +172,7 @@ def simulation_outputs(
             if animation
             else ()
         ),
+        *([_viewer()] if rerun else ()),
     ]
 
 
@@ -210,6 +213,17 @@ def _film(made: Simulated, path: Path) -> None:
     animate(made.motion, made.mounts, path, recording=made.recordings[0])
 
 
+def _viewer() -> Output[Simulated]:
+    from kreisel.show.viewer import installed, save_rerun
+
+    installed()  # now, and not when everything else has been written
+
+    def save(made: Simulated, path: Path) -> None:
+        save_rerun(path, made.motion, made.mounts, made.recordings)
+
+    return Output("motion.rrd", "body, IMUs and readings, for the Rerun viewer", save)
+
+
 def describe_notes(notes: Sequence[Note]) -> list[str]:
     """One line a note; of each kind with times only the first few and how many there are."""
     lines, seen = [], dict.fromkeys(note.kind for note in notes)
@@ -224,20 +238,29 @@ def describe_notes(notes: Sequence[Note]) -> list[str]:
     return lines
 
 
-def describe_round_trip(imu: Imu, motion: Motion) -> list[str]:
-    """Lines of "name  errors" for ideal rates and increments of `imu`, each integrated back over all of `motion`.
+def describe_round_trip(imu: Imu, motion: Motion, measured: ImuRecording | None = None) -> list[str]:
+    """Lines of "name  errors" for readings of `imu`, each integrated back over all of `motion`.
 
-    Rates show what is lost between the samples. Increments have no error of method in attitude and velocity; their
-    position, integrated from velocity, shows whether the path and its derivative are one.
+    Ideal rates show what is lost between the samples. Increments have no error of method in attitude and velocity;
+    their position, integrated from velocity, shows whether the path and its derivative are one. `measured`, what the
+    sensor read with its errors, shows how far it drifts without a filter.
     """
     from kreisel.study.round_trip import round_trip
 
     truth, lines = motion.at(imu.mount), []
     increments = replace(imu.increments(motion), dp=None)
-    for kind, recording in (("rates", imu.ideal(motion)), ("increments", increments)):
+    readings: dict[str, ImuRecording | ImuIncrements] = {
+        "ideal rates": imu.ideal(motion),
+        "ideal increments": increments,
+    }
+    if measured is not None:
+        readings["with its errors"] = measured
+    for kind, recording in readings.items():
         errors = round_trip(recording, truth, imu.environment)
         p, v, turn = (float(x.max()) for x in (errors.position, errors.velocity, errors.attitude))
-        lines.append(f"{imu.mount.name} {kind}  {p:.2g} m, {v:.2g} m/s, {np.rad2deg(turn):.2g} deg")
+        # Two digits that count, but 100 rather than 1e+02.
+        p, v, turn = (float(f"{x:.2g}") for x in (p, v, np.rad2deg(turn)))
+        lines.append(f"{imu.mount.name} {kind}  {p:.4g} m, {v:.4g} m/s, {turn:.4g} deg")
     return lines
 
 

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from kreisel.data.checks import Array, finite, increasing, read_only, rotations, same_length, shaped
 from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.motion import Mount
+from kreisel.data.tables import Tabular
 from kreisel.maths.kinematics import linear_acceleration
 from kreisel.maths.rotations import euler_from_matrix, quat_wxyz_from_matrix
 
@@ -27,7 +28,7 @@ class _MadeLater:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class AttitudeHistory(_MadeLater):
+class AttitudeHistory(_MadeLater, Tabular):
     """Attitude of a sensor (or body) in N over time; everything after R_NS is optional.
 
     A user's own answer is `AttitudeHistory(t=t, R_NS=R)`.
@@ -123,7 +124,7 @@ class AttitudeHistory(_MadeLater):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Reference:
+class Reference(Tabular):
     """Attitude from a reference system, and which of its samples count."""
 
     t: Array  # (n,) s after t0_ns, strictly increasing

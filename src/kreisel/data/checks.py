@@ -100,7 +100,7 @@ def finite(name: str, array: Array) -> Array:
     if not good.all():
         index = int(np.argwhere(~good)[0][0]) if array.ndim else 0
         raise ValueError(
-            f"{name} must be finite; row {index} is {array[index] if array.ndim else array}. "
+            f"{name} must be finite; row {index} is {' '.join(str(array[index] if array.ndim else array).split())}. "
             "Remove such rows or fill them before they come in."
         )
     return array

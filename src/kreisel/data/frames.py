@@ -18,6 +18,7 @@ from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.checks import Array, choice
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
+from kreisel.data.tables import CONSTANTS
 from kreisel.data.trajectory import Poses
 
 Data = TypeVar("Data", bound=Poses | Motion | ImuRecording | AttitudeHistory | Reference | Mount)
@@ -92,7 +93,7 @@ def _turned(
     if isinstance(data, ImuRecording):
         mag_uT = None if data.mag_uT is None else body(data.mag_uT, -1)
         accel = body(data.accel, -1) * accel_sign
-        sigmas = _sizes(data, {"gyro_sigma": body, "accel_sigma": body})
+        sigmas = _sizes(data, dict.fromkeys(("gyro_sigma", "accel_sigma", *CONSTANTS), body))
         return replace(data, gyro=body(data.gyro, -1), accel=accel, mag_uT=mag_uT, **sigmas)
     if isinstance(data, Motion):
         return replace(
@@ -127,7 +128,7 @@ def _attitude_fields(
     }
 
 
-def _sizes(data: Any, turns: dict[str, Callable[[Array, int], Array]]) -> dict[str, Array | None]:
+def _sizes(data: Any, turns: dict[str, Callable[[Array, int], Array]]) -> dict[str, Any]:
     """Standard deviations, which have an axis but no sign."""
     known = {name: getattr(data, name) for name in turns}
     return {name: None if x is None else np.abs(turns[name](x, -1)) for name, x in known.items()}

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel.data.checks import Array, finite, increasing, read_only, rotations, same_length, shaped
+from kreisel.data.tables import Tabular
 from kreisel.maths.kinematics import Uncertainty, acceleration_sigma_at, motion_at
 from kreisel.maths.rotations import euler_from_matrix, quat_wxyz_from_matrix
 
@@ -39,7 +40,7 @@ class Mount:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Motion:
+class Motion(Tabular):
     """Motion of a body B in N at time stamps; every field is exact to the method that made it.
 
     Where noisy samples were smoothed, the standard errors of what an IMU feels come along; NaN where they are not

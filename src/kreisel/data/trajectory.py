@@ -9,6 +9,7 @@ import numpy as np
 
 from kreisel.data.checks import Array, finite, increasing, read_only, rotations, same_length, shaped
 from kreisel.data.motion import Motion
+from kreisel.data.tables import Tabular
 
 
 @runtime_checkable
@@ -26,7 +27,7 @@ class Trajectory(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Poses:
+class Poses(Tabular):
     """Positions and attitudes of the body at time stamps, as motion capture or a file gives them."""
 
     t: Array  # (n,) s after t0_ns, strictly increasing

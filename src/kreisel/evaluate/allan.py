@@ -88,8 +88,7 @@ def allan(recording: ImuRecording, sensor: str = "gyro") -> AllanFit:
     instance("recording", recording, ImuRecording, SOURCE)
     choice("sensor", sensor, SENSORS)
     samples: Array = getattr(recording, sensor)
-    rate_hz = _even_rate(recording.t)
-    finite(sensor, samples)
+    rate_hz = _even_rate(recording.t, sensor, samples)
     variances, sizes = _variances(samples, default_sizes(len(samples)))
     still = ~(variances > 0.0).all(axis=0)
     if still.any():
@@ -142,21 +141,41 @@ def _variances(samples: Array, sizes: Sizes) -> tuple[Array, Sizes]:
     return np.column_stack(columns), sizes
 
 
-def _even_rate(t: Array) -> float:
-    """Samples per second over the whole record, or a ValueError naming the first step that is no step."""
+def _even_rate(t: Array, sensor: str, samples: Array) -> float:
+    """Samples per second over the whole record, or a ValueError naming the first place where one is missing."""
     if len(t) < _FEWEST:
         default_sizes(len(t))
+    present: npt.NDArray[np.bool_] = np.asarray(np.isfinite(samples).all(axis=1))
     steps = np.diff(t)
     usual = float(np.median(steps))
-    bad = np.abs(steps - usual) > _UNEVEN * usual
-    if bad.any():
-        k = int(np.argmax(bad))
+    uneven = np.abs(steps - usual) > _UNEVEN * usual
+    if not present.all():
+        k = int(np.argmin(present))
+        where = f"{sensor} row {k} at t = {t[k]:.6g} s is {samples[k]} ({int((~present).sum())} such rows)"
+        raise ValueError(f"an Allan deviation needs every sample: {where}. {_longest(t, present, uneven)}")
+    if uneven.any():
+        k = int(np.argmax(uneven))
         raise ValueError(
             f"an Allan deviation needs even steps: from row {k} at t = {t[k]:.6g} s to row {k + 1} pass "
-            f"{steps[k]:.4g} s where the median step is {usual:.4g} s ({int(bad.sum())} such places). "
-            "Cut the record there and take the longest piece."
+            f"{steps[k]:.4g} s where the median step is {usual:.4g} s ({int(uneven.sum())} such places). "
+            + _longest(t, present, uneven)
         )
     return (len(t) - 1) / float(t[-1] - t[0])
+
+
+def _longest(t: Array, present: npt.NDArray[np.bool_], uneven: npt.NDArray[np.bool_]) -> str:
+    """What to take in place of a record with holes."""
+    breaks = np.flatnonzero(uneven | ~present[:-1] | ~present[1:])
+    firsts, lasts = np.append(0, breaks + 1), np.append(breaks, len(t) - 1)
+    k = int(np.argmax(lasts - firsts))
+    # Outwards to six digits, which --start and --end take: the ends stay in.
+    first, last = (
+        1e-6 * turn(1e6 * (t[row] - t[0])) for turn, row in ((np.floor, firsts[k]), (np.ceil, lasts[k]))
+    )
+    return (
+        f"The longest piece with all of them runs from {first:.10g} to {last:.10g} s after the first sample: "
+        "take that one (kreisel allan --start, --end)."
+    )
 
 
 class _Axis(NamedTuple):

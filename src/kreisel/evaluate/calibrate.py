@@ -129,8 +129,8 @@ def _check_span(name: str, points: Array, cure: str) -> None:
     k = int(np.argmin(span))
     if not span[k] > _SPAN * span.max():
         raise ValueError(
-            f"{name} never turned enough about the axes across {'xyz'[k]}: {'xyz'[k]} ranges over {span[k]:.3g} "
-            f"where {'xyz'[int(np.argmax(span))]} has {span.max():.3g} {_UNIT[name]}. {cure}"
+            f"{name} never turned enough: its {'xyz'[k]} axis ranges over {span[k]:.3g} where its "
+            f"{'xyz'[int(np.argmax(span))]} axis has {span.max():.3g} {_UNIT[name]}. {cure}"
         )
 
 

@@ -73,6 +73,15 @@ def from_arrays(path: Path, arrays: Mapping[str, Any], options: ReadOptions) -> 
         raise ValueError(text if text.startswith(str(path)) else f"{path}: {text}") from None
 
 
+def refuse_inflated(path: Path, nbytes: int) -> None:
+    """ValueError where arrays of `nbytes` cannot come out of a file of that size: a number in it is damaged.
+
+    Deflate, the strongest compression in use, packs 1032 bytes into one.
+    """
+    if nbytes > 1032 * path.stat().st_size:
+        raise ValueError(f"its arrays would take {nbytes:.3g} bytes")
+
+
 def _text(value: Any) -> str:
     flat = np.asarray(value).ravel()
     return str(flat[0]) if flat.size else ""
@@ -84,10 +93,11 @@ def _ours(path: Path, arrays: Mapping[str, Any]) -> Noun:
     if not version.isdigit() or int(version) > VERSION:
         raise ValueError(f"written with schema {kind!r}; this version of kreisel reads up to {VERSION}.")
     choice("the noun of the file", noun, list(NOUNS))
-    missing = [name for name in names.split() if name not in arrays]
+    wanted = dict.fromkeys([*names.split(), "t0_ns", "name"])
+    missing = [name for name in wanted if name not in arrays]
     if missing:
         raise ValueError(f"array {missing[0]!r} is missing: the file was cut off or edited.")
-    values: dict[str, Any] = {name: arrays[name] for name in names.split()}
+    values: dict[str, Any] = {name: arrays[name] for name in wanted}
     values["t0_ns"] = int(np.asarray(values["t0_ns"]).ravel()[0])
     values["name"] = _text(values["name"])
     if "notes" in values:

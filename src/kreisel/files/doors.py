@@ -8,22 +8,23 @@ from __future__ import annotations
 
 import difflib
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 
 from kreisel import discovery
-from kreisel.atomic import replacing
+from kreisel.atomic import new_folder, replacing
 from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.checks import choice
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
 from kreisel.data.trial import Trial
-from kreisel.files.formats import Content, Noun, ReadOptions
+from kreisel.files.formats import Content, Noun, ReadOptions, Topic
 
 FOLDER = "kreisel.files.formats"
 HEAD = 65536  # bytes; comments may be long
+_FOLDERS_HEAD = "metadata.yaml"  # of a folder that is read like a file: a bag of ROS 2
 KINDS = {
     "poses": "poses",
     "motion": "a complete motion",
@@ -62,8 +63,9 @@ def format_named(name: str) -> ModuleType:
 
 
 def suffix(name: str) -> str:
-    """What files of the format `name` end in; its own suffix where it has one."""
-    return format_named(name).SUFFIX or ".txt"
+    """What files of the format `name` end in; its own suffix where it has one, nothing for a folder."""
+    module = format_named(name)
+    return module.SUFFIX or ("" if _is_folder(module) else ".txt")
 
 
 def read(
@@ -74,31 +76,40 @@ def read(
     columns: Mapping[str, str] | None = None,
     rate_hz: float | None = None,
     times: PathLike | None = None,
+    topic: str | Sequence[str] = (),
 ) -> Content:
     """What a file holds: Poses, Motion, ImuRecording, AttitudeHistory, Reference or Trial.
 
     SI units, in the axes of the file.
 
-    path : the file. Other worlds than ENU/FLU are turned with `to_enu_flu` afterwards.
-    format : "broad", "csv", "tum", "euroc", "euroc-imu", "kitti", "mat", "npz"; None to tell by suffix and
-        content.
+    path : the file, or the folder of a ROS 2 bag. Other worlds than ENU/FLU are turned with `to_enu_flu` afterwards.
+    format : one of `format_names()`, such as "csv"; None to tell by suffix and content.
     kind : "poses", "motion", "imu", "attitude", "reference" or "trial" to insist on one. A motion is taken
         as poses, a motion or poses as attitude, and of a trial the recording, the reference or the poses.
     columns : for csv, our name -> the file's header, its unit in brackets where the header has none:
         ``{"t": "Time [ms]", "p_x": "X [mm]"}``; "#3" is the third column.
     rate_hz, times : for files without time, the rate in Hz or a file with one stamp in seconds per row.
+    topic : for ROS bags, the topic to take, such as "/imu/data", or "/tf:odom.base_link"; two of them where an IMU's
+        magnetometer has to be named as well.
     Raises ValueError with file, line and column where the content is not sound, OSError where there is none.
     """
     source = Path(path)
     if kind is not None:
         choice("kind", kind, list(KINDS))
-    head = _head(source)
-    if format is None and columns is not None:
-        format = "csv"
-    module = format_named(format) if format else detect(source, head)
-    options = ReadOptions(columns, _rate(rate_hz), None if times is None else Path(times), kind)
+    if columns is not None:
+        format = format or "csv"
+    module = _format_of(source, format)
+    topics = (topic,) if isinstance(topic, str) else tuple(topic)
+    options = ReadOptions(columns, _rate(rate_hz), None if times is None else Path(times), kind, topics)
     _check_options(module, options)
     return _as_kind(module.read(source, options), kind, source)
+
+
+def listing(path: PathLike, format: str | None = None) -> list[Topic] | None:
+    """The topics of a file that holds several recordings, such as a ROS bag; None for a file of any other format."""
+    module = _format_of(Path(path), format)
+    topics: list[Topic] | None = module.listing(Path(path)) if "topics" in module.OPTIONS else None
+    return topics
 
 
 def write(path: PathLike, data: Noun, format: str | None = None) -> None:
@@ -118,8 +129,21 @@ def write(path: PathLike, data: Noun, format: str | None = None) -> None:
         )
     if len(data) == 0:
         raise ValueError(f"nothing to write to {path}: the data has no rows.")
-    with replacing(path) as out:
+    with new_folder(path) if _is_folder(module) else replacing(path) as out:
         module.write(data, out)
+
+
+def _is_folder(module: ModuleType) -> bool:
+    return getattr(module, "FOLDER", False)
+
+
+def _format_of(path: Path, format: str | None) -> ModuleType:
+    """The format named, or the one the content shows; the file must be there in any case."""
+    head = _head(path)
+    module = format_named(format) if format else detect(path, head)
+    if path.is_dir() and not _is_folder(module):
+        raise _no_file(path)
+    return module
 
 
 def detect(path: Path, head: bytes) -> ModuleType:
@@ -159,16 +183,21 @@ def _by_suffix(path: Path) -> ModuleType:
     )
 
 
+def _no_file(path: Path) -> IsADirectoryError:
+    return IsADirectoryError(f"cannot read {path}: it is a folder. Give one of its files.")
+
+
 def _head(path: Path) -> bytes:
+    place = path / _FOLDERS_HEAD if (path / _FOLDERS_HEAD).is_file() else path
     try:
-        with path.open("rb") as stream:
+        with place.open("rb") as stream:
             return stream.read(HEAD)
     except FileNotFoundError:
         near = difflib.get_close_matches(path.name, _neighbours(path), n=1)
         hint = f" Did you mean {near[0]!r}?" if near else ""
         raise FileNotFoundError(f"cannot read {path}: there is no such file.{hint}") from None
     except IsADirectoryError:
-        raise IsADirectoryError(f"cannot read {path}: it is a folder. Give one of its files.") from None
+        raise _no_file(path) from None
     except OSError as error:
         raise type(error)(f"cannot read {path}: {error.strerror}.") from None
 
@@ -187,9 +216,10 @@ def _rate(rate_hz: float | None) -> float | None:
 
 
 def _check_options(module: ModuleType, options: ReadOptions) -> None:
-    for name in ("columns", "rate_hz", "times"):
-        if getattr(options, name) is not None and name not in module.OPTIONS:
-            raise ValueError(f"{name} does not apply to the format {format_name(module)!r}. Leave it out.")
+    for name in ("columns", "rate_hz", "times", "topics"):
+        if getattr(options, name) not in (None, ()) and name not in module.OPTIONS:
+            asked = name.rstrip("s") if name == "topics" else name
+            raise ValueError(f"{asked} does not apply to the format {format_name(module)!r}. Leave it out.")
 
 
 def _as_kind(data: Content, kind: str | None, path: Path) -> Content:

@@ -71,8 +71,8 @@ def write_kalibr(path: str | Path, imu: KalibrImu) -> None:
         value = float(np.max(getattr(getattr(imu, sensor), quantity)))
         if value == 0.0:
             raise ValueError(
-                f"kalibr needs a {key} above 0, {unit}; the {sensor} has none. Give its NoiseModel a {quantity}, "
-                "from a recording at rest or from experience."
+                f"kalibr needs a {key} above 0, {unit}; the {sensor} has none. Give its NoiseModel a {quantity} "
+                f"(kreisel sensors --{sensor}-walk), from a recording at rest or from experience."
             )
         lines.append(f"{key}: {_number(value)}  # {unit}: {meaning}")
     lines += [f"rostopic: {imu.topic}", f"update_rate: {_number(imu.rate_hz)}  # Hz"]

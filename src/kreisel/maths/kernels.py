@@ -135,8 +135,10 @@ def wide_vectors(context: Any) -> Any:
     """
 
     def generate(target: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        # Past llvmlite's list of names: it knows no attribute with a value, but writes what it is given.
-        set.add(builder.function.attributes, '"prefer-vector-width"="512"')
+        # Past llvmlite's list of names: it knows no attribute with a value, but writes what it is given. A version
+        # that keeps them elsewhere leaves vectors as they are.
+        if isinstance(builder.function.attributes, set):
+            set.add(builder.function.attributes, '"prefer-vector-width"="512"')
         return target.get_dummy_value()
 
     return numba.types.none(), generate

@@ -117,7 +117,7 @@ def specific_force_sigma(
 def acceleration_sigma_at(p_BS: Array, R_NB: Array, omega_NB_B: Array, known: Uncertainty) -> Array:
     """Standard error (n, 3) along the axes of N of the acceleration at p_BS."""
     lever = np.linalg.norm(R_NB @ np.concatenate(_lever_parts(p_BS, omega_NB_B, known), axis=2), axis=2)
-    return np.hypot(known.a, lever)
+    return np.asarray(np.hypot(known.a, lever))
 
 
 def _lever_parts(p_BS: Array, omega_NB_B: Array, known: Uncertainty) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ from hashlib import blake2b
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.maths.kernels import kernel
+from kreisel.maths.kernels import kernel, wide_vectors
 from kreisel.maths.sincos import C0, C1, C2, C3, C4, C5, S0, S1, S2, S3, S4, S5
 
 Array = npt.NDArray[np.float64]
@@ -104,6 +104,7 @@ def philox(words: Words, pair: np.uint64, channel: np.uint64, a: Words, b: Words
 
     words: key, key and highest word of the counter; its two lowest words are pair + k. All are uint64.
     """
+    wide_vectors()
     k0, k1, high = words[0] & LOW_WORD, words[1] & LOW_WORD, words[2]
     for k in range(a.shape[0]):
         index = pair + np.uint64(k)
@@ -124,6 +125,7 @@ def _radius(x: Words, exponent: Words, scratch: Words, out: Array) -> None:
     u = 2^e m with m in [sqrt(1/2), sqrt 2]; ln m = 2 artanh s, s = (m - 1) / (m + 1), by its series, whose
     first neglected term is below 4e-14 of the first.
     """
+    wide_vectors()
     m, bits = scratch.view(np.float64), out.view(np.uint64)
     for k in range(x.shape[0]):
         out[k] = np.float64((x[k] >> RADIUS_SHIFT) + ONE)
@@ -148,6 +150,7 @@ def _turn(x: Words, radius: Array, cosine: Array, sine: Array) -> None:
 
     The upper two of them are the quadrant and need no arithmetic; the others are an angle in (-pi/4, pi/4).
     """
+    wide_vectors()
     cosine_bits, sine_bits = cosine.view(np.uint64), sine.view(np.uint64)
     for k in range(x.shape[0]):
         r = (np.float64(x[k] & ANGLE) - HALF_ANGLE) * ANGLE_STEP
@@ -164,6 +167,7 @@ def _turn(x: Words, radius: Array, cosine: Array, sine: Array) -> None:
 
 @kernel
 def _normals(words: Words, channel: int, out: Array) -> None:
+    wide_vectors()
     x, exponent = np.empty(2 * CHUNK, np.uint64), np.empty(2 * CHUNK, np.uint64)
     scratch, radius = np.empty(2 * CHUNK, np.uint64), np.empty(2 * CHUNK)
     cosine, sine = np.empty(2 * CHUNK), np.empty(2 * CHUNK)

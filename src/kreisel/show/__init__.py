@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from kreisel.show.plots import plot_linear as plot_linear
     from kreisel.show.saving import save as save
     from kreisel.show.twin import plot_twin as plot_twin
+    from kreisel.show.viewer import save_rerun as save_rerun
 
 _HOMES = {
     "animate": "kreisel.show.animation",
@@ -35,6 +36,7 @@ _HOMES = {
     "plot_path": "kreisel.show.path",
     "plot_twin": "kreisel.show.twin",
     "save": "kreisel.show.saving",
+    "save_rerun": "kreisel.show.viewer",
 }
 
 __all__ = sorted(_HOMES)

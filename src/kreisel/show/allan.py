@@ -110,7 +110,7 @@ def _name(axes: Axes, term: str, tau: Array, line: Array) -> None:
     seen = np.flatnonzero(line > _ROOM * axes.get_ylim()[0])
     at = seen[int(_NAME_AT[term] * (len(seen) - 1))]
     slope = {"N": -0.5, "B": 0.0, "K": 0.5}[term]
-    text = {"N": "N: white noise", "B": "B: bias instability", "K": "K: random walk"}[term]
+    text = {"N": "N: white noise", "B": "0.664 B: bias instability", "K": "K: random walk"}[term]
     axes.annotate(
         text, (tau[at], line[at]), xytext=(0.0, -6.0), textcoords="offset points", ha="center", va="top",
         fontsize=style.TICK_SIZE, color=style.FAINT_INK, rotation=_angle(axes, slope), rotation_mode="anchor",

@@ -14,6 +14,7 @@ from kreisel.data.environment import Environment
 from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
+from kreisel.data.tables import CONSTANTS
 from kreisel.data.temperature import TemperatureHistory
 from kreisel.maths.kinematics import specific_force, specific_force_sigma
 from kreisel.maths.random import seed_from, stream
@@ -23,6 +24,7 @@ from kreisel.simulate.chain import BLOCK, Sensed, sense
 from kreisel.simulate.clock import Clock, Rows, Sampling, count, spread, steps
 from kreisel.simulate.context import Context
 from kreisel.simulate.effects import Effect
+from kreisel.simulate.effects.white_noise import WhiteNoise
 from kreisel.simulate.recorded import Recorded
 
 if TYPE_CHECKING:
@@ -242,6 +244,7 @@ class Imu:
                 **{sensor: read_only(each.reading) for sensor, each in sensed.items()},
                 t0_ns=motion.t0_ns,
                 name=self.mount.name,
+                **self._noises(motion, ideal),
             ),
             ideal=ideal,
             gyro_bias=read_only(sensed["gyro"].bias),
@@ -283,6 +286,17 @@ class Imu:
         stream_of = partial(stream, seed, run, f"{self.mount.name}/{sensor}")
         sensed = sense(effects, collected, self._contexts(sensor, motion, ideal, rows), stream_of, errors)
         return Sensed(*(spread(column, rows, len(motion)) for column in sensed))
+
+    def _noises(self, motion: Motion, ideal: ImuRecording) -> dict[str, Array]:
+        """Deviations (3,) of the white noise in one sample at the median step, of the sensors that have some."""
+        noises = {}
+        for name, sensor in zip(CONSTANTS, SENSORS, strict=True):
+            effects, sampling = self._parts(sensor)
+            densities = [effect.density for effect in effects if isinstance(effect, WhiteNoise)]
+            if getattr(ideal, sensor) is not None and np.any(densities):
+                step = np.median(steps(motion.t[sampling.rows(motion.t)]))
+                noises[name] = np.linalg.norm(densities, axis=0) / np.sqrt(step)
+        return noises
 
     def _parts(self, sensor: str) -> tuple[Sequence[Effect], Sampling]:
         return {

@@ -32,6 +32,9 @@ _A_GAP = 2.5
 # rad; no measured attitude is this bad, but attitudes that turn by more from sample to sample look like it.
 _NO_NOISE = np.deg2rad(2.0)
 
+# Attitudes in a row, each turned by more than 120 deg against the one before, that are taken for outliers.
+_A_FEW = 6
+
 _NAMED = 5  # times in one note
 
 
@@ -82,7 +85,7 @@ class Behind:
 
 def known_rows(x: Array) -> Mask:
     """(n,) rows without NaN; an infinite number is no missing sample."""
-    return ~np.isnan(x.reshape(len(x), -1)).any(axis=1)
+    return np.asarray(~np.isnan(x.reshape(len(x), -1)).any(axis=1))
 
 
 def gaps(what: str, t: Array, max_gap: float) -> Array:
@@ -134,34 +137,27 @@ def _smooth(columns: Columns) -> SmoothSignal:
     if not columns.rotations:
         return smoothing_spline(columns.t, columns.x, rate=columns.rate, sigma=columns.noise)
     sigma = None if columns.noise is None else 0.5 * np.sqrt(np.mean(np.square(columns.noise), keepdims=True))
-    found = smoothing_spline(columns.t, columns.x, sigma=sigma, dimensions=3)
-    # A quaternion far off may have turned the sign of all that follow: that looks like a jump, and is none.
-    turned = [k for k, size in zip(found.division.breaks, found.sizes, strict=True) if size @ size > 2.0]
-    if not turned:
-        return found
-    x = columns.x.copy()
-    for k in turned:
-        x[k:] *= -1.0
-    return smoothing_spline(columns.t, x, sigma=sigma, dimensions=3)
+    return smoothing_spline(columns.t, _untangled(columns.x), sigma=sigma, dimensions=3)
+
+
+def _untangled(q: Array) -> Array:
+    """Quaternions (n, 4) whose sign does not turn where one of them, or a few, are far off all others."""
+    near = np.sum(q[1:] * q[:-1], axis=1) > 0.5
+    far = 1 + np.flatnonzero(~near)
+    signs = np.ones(len(q))
+    for run in np.split(far, np.flatnonzero(np.diff(far) > 1) + 1) if far.size else ():
+        # From the last before those that are off to the first after them.
+        if len(run) <= _A_FEW and q[run[-1]] @ q[run[0] - 1] < 0.0:
+            signs[run[-1] :] *= -1.0
+    return q * signs[:, None]
 
 
 def _smoothing(columns: Columns, smooth: SmoothSignal) -> Smoothing:
     found, memory = smooth.found, np.broadcast_to(smooth.memory, 3)
     if columns.rotations:
-        found = 2.0 * found * _shares_of_axes(columns, smooth)
+        found = 2.0 * found * smooth.spread
     sigma = found if columns.noise is None else columns.noise
     return Smoothing(sigma, found, memory, smooth.outliers, smooth.jumps, smooth.rough)
-
-
-def _shares_of_axes(columns: Columns, smooth: SmoothSignal) -> Array:
-    """(3,) size of the noise about each axis of B, per that of their mean square."""
-    kept = smooth.division.kept
-    # Without jumps, as the fit has them.
-    q, fit = smooth.fits[0].samples.x[kept], smooth(columns.t[kept], 0)[0]
-    # The vector of conj(fit) q, half the rotation from one to the other.
-    away = fit[:, :1] * q[:, 1:] - q[:, :1] * fit[:, 1:] - np.cross(fit[:, 1:], q[:, 1:])
-    squares = np.mean(np.square(away), axis=0)
-    return np.sqrt(squares / max(squares.mean(), 1e-300)) if squares.any() else np.ones(3)
 
 
 # --- notes ---
@@ -173,7 +169,8 @@ def _level_note(columns: Columns, smoothing: Smoothing) -> Note:
     if columns.noise is None:
         text = f"{columns.what} smoothed{helped}: noise of {found} found"
     else:
-        text = f"{columns.what} smoothed{helped} for noise of {_readable(columns.noise, columns.rotations)}; they show {found}"
+        given = _readable(columns.noise, columns.rotations)
+        text = f"{columns.what} smoothed{helped} for noise of {given}; they show {found}"
     if smoothing.memory.any():
         text += f", correlated over {_numbers(1e3 * smoothing.memory)} ms"
     if columns.rotations and columns.noise is None and smoothing.found.max() > _NO_NOISE:
@@ -204,7 +201,7 @@ def _event_notes(columns: Columns, smooth: SmoothSignal) -> Sequence[Note]:
         size = float(np.linalg.norm(jump))
         angle = np.rad2deg(4.0 * np.arcsin(min(1.0, 0.5 * size)))
         by = f"{angle:.2g} deg" if columns.rotations else f"{1e3 * size:.2g} mm"
-        text = f"{what} jump by {by} from one sample to the next: taken for a mistake; the parts are joined to the longest"
+        text = f"{what} jump by {by} between two samples: taken for a mistake, the parts are joined to the longest"
         notes.append(Note("jump", text, float(t)))
     for t in smooth.rough:
         text = (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -20,7 +21,9 @@ def sensor_imu(
 ) -> Imu:
     """The IMU of a preset ("bmi088"), a preset file ("mine.toml") or kalibr's ("imu.yaml"); a perfect one for None.
 
-    Relative paths begin at `folder`. Raises ValueError and OSError as `Imu.from_preset` and `read_kalibr` do.
+    A file that `kreisel calibrate` wrote is the sensor with the errors that it takes off, and no noise.
+    Relative paths begin at `folder`. Raises ValueError and OSError as `Imu.from_preset`, `read_kalibr` and
+    `read_calibration` do.
     """
     if sensor is None:
         return Imu(mount or Mount(), environment=environment or Environment())
@@ -30,8 +33,26 @@ def sensor_imu(
 
         found = read_kalibr(path)
         return Imu.from_noise(found.gyro, found.accel, mount=mount, environment=environment)
+    if path.suffix == ".toml" and _is_calibration(path):
+        return _calibrated(path, mount or Mount(), environment or Environment())
     preset = str(path) if path.suffix == ".toml" else sensor
     return Imu.from_preset(preset, mount=mount, environment=environment)
+
+
+def _is_calibration(path: Path) -> bool:
+    """Whether the file has a calibration's tables; False where it cannot be read, which a preset's reader tells."""
+    try:
+        return not {"gyro", "accel", "mag"}.isdisjoint(tomllib.loads(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError):
+        return False
+
+
+def _calibrated(path: Path, mount: Mount, environment: Environment) -> Imu:
+    from kreisel.files.calibrations import read_calibration
+    from kreisel.simulate.calibrated import effects_of
+
+    gyro, accel, mag = effects_of(read_calibration(path))
+    return Imu(mount, gyro, accel, mag if environment.field_N_uT is not None else (), environment)
 
 
 def errs(imu: Imu) -> bool:

@@ -43,7 +43,9 @@ def stamps(rng):
 def test_rows_are_the_derivatives_of_the_spline(stamps, rng, order):
     knots = knots_at(stamps, 0.02)
     c = rng.normal(size=len(knots) - DEGREE - 1)
-    exact = BSpline(knots, c, DEGREE).derivative(order)(stamps) if order else BSpline(knots, c, DEGREE)(stamps)
+    exact = (
+        BSpline(knots, c, DEGREE).derivative(order)(stamps) if order else BSpline(knots, c, DEGREE)(stamps)
+    )
     # Round-off, which every derivative multiplies by a degree over a knot spacing.
     np.testing.assert_allclose(
         dense(basis_rows(knots, stamps, order), len(c)) @ c, exact, rtol=0, atol=1e-12 * (9 / 0.015) ** order

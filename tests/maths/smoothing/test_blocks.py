@@ -26,7 +26,7 @@ def test_blocks_give_what_the_whole_gives(rng, monkeypatch, smoothness):
     monkeypatch.setattr(blocks, "BLOCK", 256)
     parts = Piece(samples, Choice(smoothness, 0.01))
     value, variance = evaluated(parts, at)
-    # Round-off of normal equations whose condition is 1e7, twice differentiated over 10 ms; the margin forgets to 1e-16.
+    # Round-off of equations whose condition is 1e7, differentiated twice over 10 ms; the margin forgets to 1e-16.
     for found, exact in zip(value, expected[0], strict=True):
         np.testing.assert_allclose(found, exact, rtol=0, atol=2e-6 * np.abs(exact).max())
     np.testing.assert_allclose(variance, expected[1], rtol=1e-7)

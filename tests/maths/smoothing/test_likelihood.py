@@ -25,7 +25,7 @@ def noise(rng: np.random.Generator, memory: float) -> np.ndarray:
 @pytest.mark.parametrize("memory", [0.005, 0.01, 0.02])
 def test_correlated_noise_is_not_taken_for_motion(rng, memory):
     smooth = smoothing_spline(T, motion() + noise(rng, memory))
-    # What is new from sample to sample: a thousand of them know it to 2 %, and its fall with frequency takes some of it.
+    # What is new from sample to sample: a thousand of them know it to 2 %, and the memory's error takes a part.
     news = smooth.sigma * np.sqrt(-np.expm1(-0.01 / smooth.memory))
     np.testing.assert_allclose(news, SIGMA * np.sqrt(-np.expm1(-0.01 / memory)), rtol=0.15)
     # As many independent samples as there are memories: 250 at the least know a memory to a factor of 1.2; the
@@ -46,7 +46,9 @@ def test_a_level_that_is_given_is_taken(rng):
     found, given = smoothing_spline(T, x), smoothing_spline(T, x, sigma=np.array([SIGMA]))
     assert given.sigma[0] == SIGMA
     # Half of the noise is left in doubt by neither: the two accelerations differ by less than their error.
-    np.testing.assert_allclose(given(T, 2)[2], found(T, 2)[2], atol=3.0 * np.sqrt(found.variances(T, range(2, 3)).max()))
+    np.testing.assert_allclose(
+        given(T, 2)[2], found(T, 2)[2], atol=3.0 * np.sqrt(found.variances(T, range(2, 3)).max())
+    )
     np.testing.assert_allclose(given.found, SIGMA, rtol=0.15)
 
 

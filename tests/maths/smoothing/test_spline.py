@@ -57,7 +57,9 @@ def test_shared_smoothness_serves_columns_that_do_not_move(rng):
 def test_smoothing_of_quaternions_is_the_same_in_all_frames(rng):
     """Penalty and residuals are lengths in four dimensions, which a turn of N or of B leaves alone."""
     half = 0.4 * np.sin(2.0 * np.pi * T)
-    q = np.stack([np.cos(half), np.sin(half), 0.2 * half, 0 * T], axis=1) + 1e-4 * rng.normal(size=(len(T), 4))
+    q = np.stack([np.cos(half), np.sin(half), 0.2 * half, 0 * T], axis=1) + 1e-4 * rng.normal(
+        size=(len(T), 4)
+    )
     turn = np.linalg.qr(rng.normal(size=(4, 4)))[0]
     plain, turned = smoothing_spline(T, q, dimensions=3), smoothing_spline(T, q @ turn, dimensions=3)
     # The search for the smoothness sees the same likelihood but for round-off.

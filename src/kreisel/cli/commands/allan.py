@@ -8,9 +8,13 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from kreisel.cli.inputs import add_input_arguments, check_units, read_input
+from kreisel.data.checks import SAME_INSTANT
 
 if TYPE_CHECKING:
+    from kreisel.data.recording import ImuRecording
     from kreisel.evaluate.allan import AllanFit
 
 HELP = "noise of a sensor at rest: Allan deviation, white noise, bias instability, random walk"
@@ -22,6 +26,7 @@ examples:
   kreisel allan rest.csv
   kreisel allan rest.csv --sensor gyro -o noise/
   kreisel allan log.csv --column t='Time [ms]' --json
+  kreisel allan rest.csv --start 1800           without the half hour of warming up
 
 Leave the sensor still, at a steady temperature, for hours: a term shows where it is longer than its averaging time
 by ten times or more. B is the bias instability of IEEE Std 952; the floor of the curve, which many datasheets
@@ -40,6 +45,12 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", metavar="FOLDER", help="folder for pictures, allan.json and preset.toml"
     )
+    parser.add_argument(
+        "--start", type=float, metavar="S", help="leave out what comes before, s after the first sample"
+    )
+    parser.add_argument(
+        "--end", type=float, metavar="S", help="leave out what comes after, s after the first sample"
+    )
     parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
     parser.add_argument("--trust-units", action="store_true", help="go on where units look impossible")
     parser.epilog = _EXAMPLES
@@ -53,6 +64,7 @@ def run(args: Namespace) -> int:
     recording = read_input(args, kind="imu")
     assert isinstance(recording, ImuRecording)  # the kind asked for
     check_units(recording, args.input, args.trust_units)
+    recording = _piece(recording, args.start, args.end)
     fits = [allan(recording, sensor) for sensor in _SENSORS[args.sensor]]
     report = {"schema": SCHEMA, "file": args.input, "sensors": {fit.sensor: _as_json(fit) for fit in fits}}
     files = [] if args.output is None else _write(Path(args.output), report, fits)
@@ -61,6 +73,20 @@ def run(args: Namespace) -> int:
     else:
         _print(args.input, fits, files)
     return 0
+
+
+def _piece(recording: ImuRecording, start: float | None, end: float | None) -> ImuRecording:
+    """What lies between two times, s after the first sample; ValueError where that is nothing."""
+    if start is None and end is None:
+        return recording
+    since = recording.t - recording.t[0]
+    first, last = (0.0 if start is None else start), (float(since[-1]) if end is None else end)
+    rows = slice(*np.searchsorted(since, [first - SAME_INSTANT, last + SAME_INSTANT]))
+    if not rows.start < rows.stop:
+        raise ValueError(
+            f"--start {first:g} and --end {last:g} leave no sample; the recording lasts {since[-1]:.6g} s."
+        )
+    return recording.rows(rows)
 
 
 def _as_json(fit: AllanFit) -> dict[str, Any]:
@@ -87,7 +113,9 @@ def _print(path: str, fits: list[AllanFit], files: list[str]) -> None:
         print()
         print_table([fit.sensor, "unit", "x", "y", "z"], _rows(fit))
     print(
-        "\nIn brackets 95 % intervals; < where a term is not visible in this record: it would have shown above."
+        "\nIn brackets 95 % intervals; < where a term is not visible in this record: it would have shown above.\n"
+        "Datasheets commonly state the noise density sqrt(2) N, one-sided, and as bias instability the floor of the "
+        "curve, 0.664 B."
     )
     if files:
         print("\n" + aligned(files))
@@ -107,7 +135,12 @@ def _rows(fit: AllanFit) -> list[list[str]]:
 def _cell(fit: AllanFit, term: str, axis: int, factor: float) -> str:
     found = getattr(fit, term)
     value, low, high = (factor * part[axis] for part in (found.value, found.low, found.high))
-    return f"{value:.3g} ({low:.3g} to {high:.3g})" if math.isfinite(value) else f"< {high:.2g}"
+    return f"{value:.3g} ({low:.3g} to {high:.3g})" if math.isfinite(value) else f"< {_two_digits(high)}"
+
+
+def _two_digits(x: float) -> str:
+    """Two digits that count, and no exponent where four or five figures do."""
+    return f"{float(f'{x:.2g}'):.5g}"
 
 
 def _write(folder: Path, report: dict[str, Any], fits: list[AllanFit]) -> list[str]:

@@ -16,6 +16,7 @@ _EXAMPLES = """\
 examples:
   kreisel convert flight.csv flight.tum
   kreisel convert log.txt imu.csv --frame ned-frd
+  kreisel convert flight.bag flight.mcap --topic /imu/data
   kreisel convert mocap.csv poses.csv --column t='Time [ms]' --column p_x='X [mm]' \\
       --column p_y='Y [mm]' --column p_z='Z [mm]'
   kreisel convert 00.txt 00.tum --from kitti --times times.txt

@@ -30,6 +30,7 @@ _EXAMPLES = """\
 examples:
   kreisel estimate imu.csv -o attitude.tum
   kreisel estimate trial.mat -o attitude.npz --mode 6
+  kreisel estimate flight.mcap --topic /imu/data_raw -o attitude.tum
   kreisel estimate imu.csv -o attitude.csv --filter mekf --smooth
   kreisel estimate log.csv --frame ned-frd --declination-deg 3.5 --set mag_time=30
   kreisel estimate trial.mat --set published.weight_accel=0.02 --set published.exact=true

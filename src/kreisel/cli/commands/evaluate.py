@@ -44,6 +44,8 @@ def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument("truth", metavar="TRUTH", help="motion, poses, attitude, reference or a BROAD trial")
     parser.add_argument("estimate", metavar="ESTIMATE", help="attitude, or poses with attitude")
+    for name in ("truth", "estimate"):
+        parser.add_argument(f"--{name}-topic", metavar="TOPIC", help=f"topic of {name.upper()}, a ROS bag")
     parser.add_argument(
         "--align",
         metavar="WHAT",
@@ -84,7 +86,8 @@ def run(args: Namespace) -> int:
     """Read both, compare, report; 3 where a limit was missed."""
     from kreisel.evaluate.attitude_errors import attitude_errors
 
-    truth, estimate = _truth(args.truth), _estimate(args.estimate, args.imu)
+    truth = _truth(args.truth, args.truth_topic or ())
+    estimate = _estimate(args.estimate, args.estimate_topic or (), args.imu)
     errors = attitude_errors(truth, estimate, align=args.align, clock_offset=args.clock_offset)
     summary = errors.summary(args.limit_deg)
     limits = _limits(args, summary)
@@ -119,22 +122,22 @@ def _clock_offset(text: str) -> float | str:
     return offset
 
 
-def _truth(path: str) -> Truth:
+def _truth(path: str, topic: str | tuple[()]) -> Truth:
     from kreisel.data.recording import ImuRecording
     from kreisel.data.trial import Trial
     from kreisel.files.doors import read
 
-    data = read(path)
+    data = read(path, topic=topic)
     if isinstance(data, ImuRecording):
         raise ValueError(f"{path} is an IMU recording and has no attitude to compare with.")
     return data.reference if isinstance(data, Trial) else data
 
 
-def _estimate(path: str, imu: str | None) -> AttitudeHistory:
+def _estimate(path: str, topic: str | tuple[()], imu: str | None) -> AttitudeHistory:
     from kreisel.data.attitude import AttitudeHistory
     from kreisel.files.doors import read
 
-    data = read(path, kind="attitude")
+    data = read(path, kind="attitude", topic=topic)
     assert isinstance(data, AttitudeHistory)  # the kind asked for
     if imu is None:
         return data

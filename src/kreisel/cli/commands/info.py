@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -12,6 +13,8 @@ from typing import Any
 
 from kreisel.cli.inputs import add_input_arguments, read_input
 from kreisel.data.facts import Clock, Facts, facts
+from kreisel.files.doors import listing
+from kreisel.files.formats import Topic, Undecided
 
 HELP = "what is in a file: rate, span, gaps, plausible units"
 
@@ -25,6 +28,10 @@ _NOUNS = {
     "Reference": "reference attitude",
 }
 
+_HOLDS = {"imu": "IMU", "mag": "magnetometer", "poses": "poses", "": ""}
+_SAY_WHICH = "More about one with an IMU or poses: --topic NAME."
+_NOTHING_TO_READ = "None of its topics has an IMU or poses."
+
 
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
@@ -34,20 +41,33 @@ def configure(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Report on every file; the first that cannot be read ends the command."""
-    found = [(path, facts(read_input(args, path))) for path in args.input]
+    found = [(path, listing(path, args.from_format), _facts(args, path)) for path in args.input]
     if args.json:
-        files = [_as_json(path, what) for path, what in found]
+        files = [{"file": path, **_topics_json(topics), **_as_json(what)} for path, topics, what in found]
         print(json.dumps({"schema": "kreisel.info/1", "files": files}, indent=2))
     else:
-        print("\n\n".join("\n".join(_report(path, what)) for path, what in found))
+        print("\n\n".join("\n".join(_report(*each)) for each in found))
     return 0
 
 
-def _as_json(path: str, what: Facts) -> dict[str, Any]:
+def _facts(args: Namespace, path: str) -> Facts | Undecided:
+    """What is on the topic asked for, or why there is nothing to tell but the topics."""
+    try:
+        return facts(read_input(args, path))
+    except Undecided as why:
+        return why
+
+
+def _topics_json(topics: Sequence[Topic] | None) -> dict[str, Any]:
+    return {} if topics is None else {"topics": [asdict(topic) for topic in topics]}
+
+
+def _as_json(what: Facts | Undecided) -> dict[str, Any]:
+    if isinstance(what, Undecided):
+        return {}
     clock = asdict(what.clock) | {"rate_hz": what.clock.rate_hz}
     # JSON knows no NaN: one row has no rate, a sensor that never answered no median.
     return {
-        "file": path,
         "noun": what.noun,
         "holds": what.holds,
         "clock": {name: _finite(value) for name, value in clock.items()},
@@ -60,9 +80,30 @@ def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _report(path: str, what: Facts) -> list[str]:
+def _report(path: str, topics: Sequence[Topic] | None, what: Facts | Undecided) -> list[str]:
+    rows = [*_topics(topics or ()), *([] if isinstance(what, Undecided) else _rows(what))]
+    width = max((len(name) for name, _ in rows), default=0)
+    lines = [str(Path(path)), *(f"  {name:<{width}}  {text}".rstrip() for name, text in rows)]
+    if isinstance(what, Undecided):
+        some = any(topic.holds in ("imu", "poses") for topic in topics or ())
+        lines.append(f"  {_SAY_WHICH if some else _NOTHING_TO_READ}")
+    return lines
+
+
+def _topics(topics: Sequence[Topic]) -> list[tuple[str, str]]:
+    """Pairs of ("topics" or nothing, a topic with what is on it)."""
+    widths = [max((len(getattr(topic, part)) for topic in topics), default=0) for part in ("name", "type")]
+    lines = [
+        f"{topic.name:<{widths[0]}}  {topic.type:<{widths[1]}}  {topic.messages:>7} messages  {_HOLDS[topic.holds]}"
+        for topic in topics
+    ]
+    return [("" if k else "topics", line) for k, line in enumerate(lines)]
+
+
+def _rows(what: Facts) -> list[tuple[str, str]]:
+    """Pairs of (name, what there is to tell)."""
     clock = what.clock
-    rows = [
+    return [
         ("what", f"{_NOUNS[what.noun]}: {', '.join(what.holds)}"),
         ("rows", f"{clock.rows} over {clock.span:.6g} s"),
         ("start", _start(clock)),
@@ -71,8 +112,6 @@ def _report(path: str, what: Facts) -> list[str]:
         *_numbers(what.numbers),
         *(("look", doubt) for doubt in what.doubts),
     ]
-    width = max(len(name) for name, _ in rows)
-    return [str(Path(path)), *(f"  {name:<{width}}  {text}" for name, text in rows)]
 
 
 def _start(clock: Clock) -> str:

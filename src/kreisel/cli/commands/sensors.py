@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from argparse import ArgumentParser, Namespace
+from dataclasses import replace
 from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
@@ -25,6 +26,7 @@ examples:
   kreisel sensors bmi088                 one, each value with its source
   kreisel sensors imu.yaml               what the numbers of a kalibr file mean
   kreisel sensors mine.toml --kalibr imu.yaml --rate 200
+  kreisel sensors bmi088 --kalibr imu.yaml --rate 200 --gyro-walk 2e-5 --accel-walk 3e-4
 
 docs/datasheets.md says how a datasheet becomes a noise model.
 """
@@ -49,6 +51,7 @@ _SHOWN = {
         ("turn_on_bias", "turn-on bias, one sigma", "uT", 1.0),
     ),
 }
+_WALKS = {"gyro": "rad/s^2/sqrt(Hz)", "accel": "m/s^3/sqrt(Hz)"}
 _RANGES = {"gyro": "gyro_range_deg_per_s", "accel": "accel_range_g"}
 _UNITS = {"gyro": "rad/s", "accel": "m/s^2", "mag": "uT"}
 _SI = {
@@ -66,6 +69,12 @@ def configure(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
     parser.add_argument("--kalibr", metavar="FILE", help="also write the sensor's noise as kalibr's imu.yaml")
+    for name, unit in _WALKS.items():
+        parser.add_argument(
+            f"--{name}-walk", type=float, metavar="K",
+            help=f"random walk of its bias to write there, {unit}, in place of the sensor's own: few datasheets state "
+            "any, and kalibr needs one",
+        )  # fmt: skip
     parser.add_argument(
         "--rate", type=float, default=200.0, metavar="HZ", help="rate to write there (default 200)"
     )
@@ -93,7 +102,8 @@ def run(args: Namespace) -> int:
     if args.kalibr:
         from kreisel.files.kalibr import KalibrImu, write_kalibr
 
-        write_kalibr(args.kalibr, KalibrImu(models["gyro"], models["accel"], args.rate))
+        gyro, accel = (_walking(models[name], getattr(args, f"{name}_walk")) for name in _WALKS)
+        write_kalibr(args.kalibr, KalibrImu(gyro, accel, args.rate))
     if args.json:
         told = _preset_json(preset) if preset else {"name": args.sensor, "noise": _noise_json(models)}
         print(json.dumps({"schema": "kreisel.sensors/1", "sensors": [told]}, indent=2))
@@ -102,6 +112,10 @@ def run(args: Namespace) -> int:
         if args.kalibr:
             print(f"\n{args.kalibr}  written for kalibr")
     return 0
+
+
+def _walking(model: NoiseModel, walk: float | None) -> NoiseModel:
+    return model if walk is None else replace(model, bias_random_walk=walk)
 
 
 def _list(presets: list[Preset], as_json: bool) -> None:
@@ -171,10 +185,12 @@ def _meaning(models: dict[str, NoiseModel]) -> list[str]:
             value = float(np.max(getattr(model, quantity)))
             if value:
                 si = _SI[quantity].format(unit)
+                # Both columns say the same: of flicker the floor, which is 0.664 B.
+                shown = value * (ALLAN_FLOOR if quantity == "bias_instability" else 1.0)
                 rows.append(
-                    (f"  {sensor} {meaning}", f"{value * factor:.4g} {customary}", f"{value:.4g} {si}")
+                    (f"  {sensor} {meaning}", f"{value * factor:.4g} {customary}", f"{shown:.4g} {si}")
                 )
-    return ["", *plain(("which means, simulated", "", "in SI units"), rows)]
+    return ["", *plain(("which means, simulated", "", "in SI units"), rows)] if rows else []
 
 
 def _noise_json(models: dict[str, NoiseModel]) -> dict[str, Any]:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import time
 from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,9 +32,12 @@ from kreisel.cli.surroundings import (
 from kreisel.data.checks import choice, file_name
 from kreisel.data.environment import Environment
 from kreisel.data.frames import WORLDS, to_enu_flu
-from kreisel.data.motion import Mount
+from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.files.doors import format_names
+
+if TYPE_CHECKING:
+    from kreisel.simulate.imu import Imu
 
 HELP = "IMU data of a body that moves along the poses, waypoints or segments in a file"
 
@@ -45,6 +50,7 @@ examples:
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
   kreisel simulate mocap.csv -o out/ --noise 0.1mm,0.01deg --max-gap 0.5
   kreisel simulate flight.csv -o out/ --frame ned-frd
+  kreisel simulate flight.bag --topic /odom -o out/ --imu-format mcap
   kreisel simulate poses.csv -o out/ --rate 1000 --check
   kreisel simulate walk.csv -o out/ --place 48.14,11.58,520 --date 2026-05-01 --turning
   kreisel simulate mission.csv --as waypoints -o out/ --rate 200 --max-speed 8 --max-acceleration 4 --banked
@@ -68,8 +74,8 @@ def configure(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--sensor",
-        help="sensor of all IMUs that name none: a preset (see kreisel sensors), a preset file .toml or kalibr's "
-        ".yaml (default: perfect sensors)",
+        help="sensor of all IMUs that name none: a preset (see kreisel sensors), a preset file .toml, kalibr's .yaml "
+        "or what kreisel calibrate wrote (default: perfect sensors)",
     )
     parser.add_argument(
         "--seed", type=int, default=0, help="whole number from which noise is drawn (default 0)"
@@ -93,10 +99,12 @@ def configure(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.add_argument("--animation", action="store_true", help="also write motion.gif")
+    parser.add_argument("--rerun", action="store_true", help="also write motion.rrd for the Rerun viewer")
     parser.add_argument(
         "--check",
         action="store_true",
-        help="integrate the IMU data back from the first pose and print how far that ends up from the truth",
+        help="integrate the ideal IMU data, and those of a sensor with errors, back from the first pose and print how "
+        "far each ends up from the truth",
     )
     parser.epilog = _EXAMPLES
 
@@ -124,6 +132,7 @@ def run(args: Namespace) -> int:
         imu_format=args.imu_format,
         pictures=not args.no_pictures,
         animation=args.animation,
+        rerun=args.rerun,
     )
     check_outputs(args.output, outputs)
     motion, held = read_course(args)
@@ -139,8 +148,17 @@ def run(args: Namespace) -> int:
     print(aligned(lines))
     if args.check:
         print("integrated back from the first pose, the largest errors are:")
-        print(aligned([line for imu in imus for line in describe_round_trip(imu, motion)]))
+        print(aligned(_round_trips(imus, motion, made)))
     return 0
+
+
+def _round_trips(imus: Sequence[Imu], motion: Motion, made: Simulation) -> list[str]:
+    from kreisel.study.sensor import errs
+
+    lines: list[str] = []
+    for imu, measured in zip(imus, made.recordings, strict=True):
+        lines += describe_round_trip(imu, motion, measured if errs(imu) else None)
+    return lines
 
 
 def _described(environment: Environment) -> str:

@@ -31,6 +31,21 @@ class ReadOptions:
     kind: str | None = (
         None  # one of the kinds `kreisel.read` knows: which to take from a file that has several
     )
+    topics: tuple[str, ...] = ()  # for files with several recordings: the names of those to take
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """One of several recordings in a file."""
+
+    name: str
+    type: str  # of its messages, as its own world calls it
+    messages: int
+    holds: str  # "imu", "mag" or "poses"; "" where it is of no use here
+
+
+class Undecided(ValueError):
+    """Of the recordings in a file none or several fit what was asked for; the text lists them."""
 
 
 class Format(Protocol):
@@ -40,6 +55,10 @@ class Format(Protocol):
     HOLDS: tuple[type[Noun], ...]  # the nouns it can write
     OPTIONS: frozenset[str]  # the ReadOptions it understands, beside kind
     KEEPS: str  # for the table of formats: what survives the round trip
+
+    # Two that most formats do without:
+    # FOLDER: bool = True    where its files are folders: `out` of `write` is the path of one to make
+    # listing(path)          where OPTIONS has "topics": every Topic of the file
 
     def sniff(self, head: bytes) -> bool:
         """Whether the first bytes of a file look like this format and no other."""

@@ -250,8 +250,8 @@ def _noun(kind: str, file: TextFile, t: Array, t0_ns: int, columns: dict[str, Ar
         return Poses(t, columns["p"], R, columns.get("v"), t0_ns, name)
     if kind == "motion":
         p, v, a, omega, alpha = (columns[group] for group in _MOTION)
-        sigmas = {group: columns.get(group) for group in _MOTION_SIGMAS}
-        return Motion(t, p, v, a, R, omega, alpha, t0_ns, name, **sigmas)
+        known = [columns.get(group) for group in _MOTION_SIGMAS]
+        return Motion(t, p, v, a, R, omega, alpha, t0_ns, name, (), *known)
     flags = {group: _flags(file, columns[group], group) for group in _FLAGS if group in columns}
     if kind == "reference":
         return Reference(t, R, flags["counts"], t0_ns, name)

@@ -14,6 +14,7 @@ import numpy as np
 from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
+from kreisel.data.tables import CONSTANTS
 from kreisel.data.trajectory import Poses
 from kreisel.files.arrays import SCHEMA, from_arrays, to_arrays
 from kreisel.files.formats import Noun, ReadOptions
@@ -24,7 +25,7 @@ OPTIONS = frozenset({"rate_hz"})
 KEEPS = "every bit of every field"
 
 _PAGES = {"R_NB", "R_NS"}
-_COLUMNS = {"t", "rest", "disturbed", "held", "counts"}
+_COLUMNS = {"t", "rest", "disturbed", "held", "counts", *CONSTANTS}
 
 
 def sniff(head: bytes) -> bool:

@@ -18,7 +18,8 @@ def course_sigmas(t: Array, derivatives: Array, variances: Array) -> tuple[Array
     derivatives (4, n, 3): position to jerk in N; variances (4, n, 3) of these. Each is moved both ways by its standard
     error, one at a time. NaN where nothing gives the body a heading.
     """
-    attitude, headless = tangent_motion(t, *derivatives[1:], still=_ALWAYS)
+    _, v, a, j = derivatives
+    _, headless = tangent_motion(t, v, a, j, _ALWAYS)
     squares = np.zeros((3, len(t), 3))
     for order in (1, 2, 3):
         for axis in range(3):
@@ -27,7 +28,7 @@ def course_sigmas(t: Array, derivatives: Array, variances: Array) -> tuple[Array
             for sign in (-1.0, 1.0):
                 moved = derivatives.copy()
                 moved[order, :, axis] += sign * step
-                sides.append(tangent_motion(t, *moved[1:], still=_ALWAYS)[0])
+                sides.append(tangent_motion(t, moved[1], moved[2], moved[3], _ALWAYS)[0])
             turned = np.swapaxes(sides[0].R_NB, 1, 2) @ sides[1].R_NB
             # Of the small turn between both sides; a large one is as good as unknown.
             turn = np.stack([turned[:, 2, 1], turned[:, 0, 2], turned[:, 1, 0]], axis=1)
@@ -49,7 +50,7 @@ def carried_sigmas(R_NB: Array, derivatives: Array, variances: Array) -> tuple[A
     out = []
     for order in (1, 2, 3):
         # Of the axis e the part of kappa = v x (.) / v^2, component by component.
-        turned = np.zeros(speed.shape[:1] + (3,))
+        turned = np.zeros((len(speed), 3))
         for axis in range(3):
             unit = np.zeros(3)
             unit[axis] = 1.0

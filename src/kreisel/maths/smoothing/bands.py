@@ -139,7 +139,7 @@ def correlated(t: Array, starts: Integers, time: float) -> tuple[Array, Array]:
 def whitened_rows(rows: Rows, kept: Array, new: Array) -> Rows:
     """Rows of what is new in each sample, per its size."""
     out = Rows(np.zeros((len(kept), DEGREE + 1 + REACH)), rows.starts.copy())
-    _whiten(*map(argument, (rows.values, kept, new)), rows.starts, *out)
+    _whiten(argument(rows.values), argument(kept), argument(new), rows.starts, *out)
     return out
 
 

@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.maths.smoothing.axes import multiplied
 from kreisel.maths.smoothing.bands import basis_rows, knots_at, product
 from kreisel.maths.smoothing.likelihood import Choice
 from kreisel.maths.smoothing.outliers import Division
@@ -53,8 +54,8 @@ class _Shifts:
 class _Turns:
     def back(self, x: Array, before: Array, after: Array) -> Array:
         """Quaternions q after^-1 before."""
-        turn = _multiplied(after * [1.0, -1.0, -1.0, -1.0], before)
-        return _multiplied(x, turn / np.linalg.norm(turn))
+        turn = multiplied((after * [1.0, -1.0, -1.0, -1.0])[None], before)[0]
+        return multiplied(x, turn / np.linalg.norm(turn))
 
 
 def _jump(samples: Samples, choice: Choice, place: int) -> tuple[Array, Array]:
@@ -69,9 +70,3 @@ def _jump(samples: Samples, choice: Choice, place: int) -> tuple[Array, Array]:
     middle = 0.5 * (both.t[place - 1 : place] + both.t[place : place + 1])
     without = c[:, :-1] - c[:, -1:] * size
     return centre + product(basis_rows(system.knots, middle), without)[0], size
-
-
-def _multiplied(p: Array, q: Array) -> Array:
-    """Products (..., 4) of quaternions, w first."""
-    w = p[..., :1] * q[:1] - (p[..., 1:] @ q[1:])[..., None]
-    return np.asarray(np.concatenate([w, p[..., :1] * q[1:] + q[0] * p[..., 1:] + np.cross(p[..., 1:], q[1:])], axis=-1))

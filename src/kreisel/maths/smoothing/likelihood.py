@@ -54,17 +54,17 @@ class Choice(NamedTuple):
     spacing: float
 
 
-def most_likely(segments: Sequence[Samples]) -> Choice:
-    """The smoothness common to all `segments`, behind white noise."""
+def most_likely(segments: Sequence[Samples], memory: float = 0.0) -> Choice:
+    """The smoothness common to all `segments`, behind noise of that memory (s): white noise where it is nil."""
     stretches = _stretches(segments)
     longest = max(s.t[-1] - s.t[0] for s in stretches)
     spacing = _step(stretches)
     highest = _NO_NOISE * _noise(stretches)
     while True:
         search = _Search(stretches, spacing)
-        start = search.coarsely(_step(stretches), highest)
+        start = search.coarsely(_step(stretches), memory, highest)
         if start.penalty < 10.0 ** (_HIGHEST - 0.5) or spacing > longest / (2 * DEGREE):
-            return Choice(search.refined(start), spacing)
+            return Choice(search.refined(start, free_memory=False), spacing)
         spacing *= 2.0
 
 
@@ -81,7 +81,7 @@ def remembering(segments: Sequence[Samples], white: Choice) -> Choice:
     best, level = min(starts, key=search.cost), search.cost(white.smoothness)
     if search.cost(best) > level:
         return white
-    found = search.refined(best)
+    found = search.refined(best, free_memory=True)
     if found.memory < _SHORTEST * step or search.cost(found) > level - _WORTH:
         return white
     news = search.level(found) * np.sqrt(-np.expm1(-2.0 * step / found.memory))
@@ -116,26 +116,26 @@ class _Search:
         free = sum(system.samples.degrees_of_freedom for system in self.systems)
         return float(np.sqrt(sum(system.solve(smoothness).energy for system in self.systems) / free))
 
-    def coarsely(self, step: float, highest: float) -> Smoothness:
+    def coarsely(self, step: float, memory: float, highest: float) -> Smoothness:
         """The best of a grid: there can be a second optimum where a tone sits above the motion.
 
         highest: level of the noise that may be left, half of the time.
         """
         # Noise of a rate is of the order of that of a difference over some tens of samples.
         weight = (30.0 * step) ** 2
-        grid = [Smoothness(10.0**k, 0.0, weight) for k in np.arange(_LOWEST, _HIGHEST + 0.5)]
+        grid = [Smoothness(10.0**k, memory, weight) for k in np.arange(_LOWEST, _HIGHEST + 0.5)]
         for smoothness in sorted(grid, key=self.cost):
             if self._left(smoothness) < highest:
                 return smoothness
         return grid[0]
 
-    def refined(self, start: Smoothness) -> Smoothness:
-        """The nearest optimum, of the memory too unless it is nil."""
+    def refined(self, start: Smoothness, free_memory: bool) -> Smoothness:
+        """The nearest optimum, of the memory too where it is free."""
         from scipy.optimize import minimize
 
         middle = np.log10([start.penalty, start.weight, max(start.memory, 1e-12)])
-        # A weight without rates changes nothing, and a memory of nil stays.
-        free = np.array([True, self.systems[0].samples.rate is not None, start.memory > 0.0])
+        # A weight without rates changes nothing.
+        free = np.array([True, self.systems[0].samples.rate is not None, free_memory])
         low = np.array([_LOWEST, middle[1] - 6.0, -np.inf])
         high = np.array([_HIGHEST, middle[1] + 6.0, np.log10(_LONGEST)])
 
@@ -143,7 +143,9 @@ class _Search:
             full = middle.copy()
             full[free] = z
             full = np.clip(full, low, high)
-            return Smoothness(10.0 ** full[0], 10.0 ** full[2] if free[2] else 0.0, 10.0 ** full[1])
+            return Smoothness(
+                10.0 ** full[0], 10.0 ** full[2] if free_memory else start.memory, 10.0 ** full[1]
+            )
 
         begin = middle[free]
         simplex = np.vstack([begin, begin + np.diag(np.where(begin > 0.5 * _HIGHEST, -0.4, 0.4))])
@@ -168,7 +170,8 @@ def _stretches(segments: Sequence[Samples]) -> list[Samples]:
         return list(segments)
     starts = np.cumsum([0] + [len(s.t) for s in segments])
     places = np.linspace(_STRETCH // 2, total - _STRETCH // 2, _STRETCHES).astype(int)
-    return [_around(segments[k], place - starts[k]) for place, k in zip(places, np.searchsorted(starts, places, "right") - 1)]
+    owners = np.searchsorted(starts, places, "right") - 1
+    return [_around(segments[k], place - starts[k]) for place, k in zip(places, owners, strict=True)]
 
 
 def _around(samples: Samples, place: int) -> Samples:

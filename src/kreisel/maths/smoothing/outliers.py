@@ -11,11 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.maths.smoothing.axes import along_axes
 from kreisel.maths.smoothing.bands import ORDER, correlated, inverse_band, knots_at, whitened
 from kreisel.maths.smoothing.blocks import Piece
 from kreisel.maths.smoothing.likelihood import Choice
@@ -35,9 +37,11 @@ _OUTLIER, _STEP = 5.5, 6.5
 # In one round only what is at least this share of the largest: lesser ones may be its echo.
 _SHARE = 0.3
 
-# Samples taken together as one event, samples on either side that are smoothed again, and samples taken out
-# at most, altogether and in a row.
-_TOGETHER, _AROUND, _MOST, _RUN = 8, 40, 6, 3
+AROUND = 40
+"""Samples on either side of an event that are smoothed again."""
+
+# Samples taken together as one event, and samples taken out of it at most, altogether and in a row.
+_TOGETHER, _MOST, _RUN = 8, 6, 3
 
 # What an explanation costs per sample it takes out, in squares per variance and dimension; and what a break does in
 # such samples, for it says more about a recording than three outliers.
@@ -50,13 +54,15 @@ class Division(NamedTuple):
     kept: Mask  # (n,)
     breaks: tuple[int, ...] = ()  # samples before which there is a break, in order
     met: tuple[int, ...] = ()  # places where the path bends, but does not jump
-    left: tuple[int, ...] = ()  # places where neither outliers nor a jump make it smooth: nothing is taken out
+    left: tuple[
+        int, ...
+    ] = ()  # places where neither outliers nor a jump make it smooth: nothing is taken out
 
     @property
     def edges(self) -> list[tuple[int, int]]:
         """First and last sample, not included, between any two breaks."""
         places = [0, *self.breaks, len(self.kept)]
-        return list(zip(places[:-1], places[1:], strict=True))
+        return list(pairwise(places))
 
     def segments(self, samples: Samples) -> list[Samples]:
         """What is kept, between any two breaks."""
@@ -71,6 +77,7 @@ class Fit:
     choice: Choice
     pieces: tuple[Piece, ...]  # between any two breaks
     sigma: float  # standard deviation of the noise in a dimension
+    spread: Array  # (k,) of the noise along each axis, per their mean square
 
 
 class Event(NamedTuple):
@@ -88,7 +95,7 @@ def divide(fits: Sequence[Fit], before: Division) -> Division:
         if _near(event.rows, before.left):
             continue
         best = min(_explanations(fits, before, event), key=lambda e: e.cost, default=None)
-        if best is None:
+        if best is None or best.bends:
             unexplained.append(event)
         else:
             kept[list(best.out)] = False
@@ -106,7 +113,7 @@ def same(a: Division, b: Division) -> bool:
 def _left_as_they_are(division: Division, unexplained: Sequence[Event]) -> Division:
     kept = division.kept.copy()
     for event in unexplained:
-        kept[max(0, event.rows[0] - _TOGETHER) : event.rows[-1] + _TOGETHER + 1] = True
+        kept[max(0, event.rows[0] - AROUND) : event.rows[-1] + AROUND + 1] = True
     places = tuple(int(event.rows[len(event.rows) // 2]) for event in unexplained)
     return division._replace(kept=kept, left=division.left + places)
 
@@ -161,15 +168,16 @@ def _scores(fit: Fit, division: Division) -> tuple[Array, Array]:
     pulses, steps = np.zeros((2, len(division.kept)))
     found = [_matched(piece) for piece in fit.pieces]
     for score, parts in zip((pulses, steps), zip(*found, strict=True), strict=True):
-        size = np.concatenate([np.linalg.norm(part, axis=1) for part in parts])
-        # Half of a recording may be exactly at rest, or its noise have heavy tails: then the loud part sets the measure.
-        usual = np.quantile(size, (0.5, 0.9)) / np.array(TYPICAL_LENGTHS[fit.samples.dimensions])
-        score[division.kept] = size / max(*usual, 0.1 * np.sqrt(np.mean(np.square(size))), 1e-300)
+        size = np.abs(np.concatenate(parts))
+        # Half of a recording may be at rest, or its noise have heavy tails: then the loud part sets the measure.
+        usual = np.quantile(size, (0.5, 0.9), axis=0) / np.array(TYPICAL_LENGTHS[1])[:, None]
+        least = 0.1 * np.sqrt(np.mean(np.square(size), axis=0))
+        score[division.kept] = np.max(size / np.maximum(np.maximum(*usual), least + 1e-300), axis=1)
     return pulses, steps
 
 
 def _matched(piece: Piece) -> tuple[Array, Array]:
-    """(n, c) products of the residuals with a pulse and with a step at every sample, weighted as noise asks."""
+    """(n, k) products of the residuals with a pulse and with a step at every sample, weighted as noise asks."""
     t, x = piece.samples.t, piece.samples.x
     value = np.empty((1, *x.shape))
     piece(t, 0, value)
@@ -178,7 +186,7 @@ def _matched(piece: Piece) -> tuple[Array, Array]:
     pulse[:-1] -= kept[1:, None] * pulse[1:]
     step = np.cumsum(pulse[::-1], axis=0)[::-1].copy()
     step[0] = 0.0
-    return pulse, step
+    return along_axes(value[0], pulse), along_axes(value[0], step)
 
 
 class _Explanation(NamedTuple):
@@ -187,11 +195,12 @@ class _Explanation(NamedTuple):
     cost: float
     out: tuple[int, ...]  # samples that do not count
     step: int = 0  # sample before which there is a break
+    bends: bool = False  # it is the motion whose velocity steps: nothing is wrong with the samples
 
 
 def _explanations(fits: Sequence[Fit], division: Division, event: Event) -> Iterator[_Explanation]:
-    first = max(event.within[0], event.rows[0] - _AROUND)
-    last = min(event.within[1], event.rows[-1] + _AROUND + 1)
+    first = max(event.within[0], event.rows[0] - AROUND)
+    last = min(event.within[1], event.rows[-1] + AROUND + 1)
     rows = first + np.flatnonzero(division.kept[first:last])
     price = _PRICE * sum(fit.samples.dimensions for fit in fits)
     for step in (0, *(event.steps[0] + k for k in (-1, 0, 1) if event.steps)):
@@ -204,10 +213,40 @@ def _explanations(fits: Sequence[Fit], division: Division, event: Event) -> Iter
         out = tuple(k for quiet in made if quiet for k in quiet.out)
         if _longest_run(~division.kept[first:last], np.array(out, dtype=int) - first) <= _RUN:
             yield _Explanation(energy + price * (len(out) + _BREAK * (step > 0)), out, step)
+    yield _Explanation(_bend(fits, rows, event) + price, (), bends=True)
     for begin, end in _bursts(event):
         energy = _burst(fits, rows, begin, end)
         if energy < np.inf:
             yield _Explanation(energy + _BREAK * price, tuple(rows[(rows >= begin) & (rows < end)]))
+
+
+def _bend(fits: Sequence[Fit], rows: Indices, event: Event) -> float:
+    """Penalised squares per variance, with a step of velocity at the best place of the event."""
+    t = fits[0].samples.t[rows]
+    # Near an end a bend would explain whatever is there.
+    inner = (t >= t[ORDER]) & (t <= t[-1 - ORDER])
+    near = t[inner & (rows >= event.rows[0] - 1) & (rows <= event.rows[-1] + 1)]
+    if not near.size:
+        return np.inf
+    places = np.union1d(near, 0.5 * (near[1:] + near[:-1]))
+    ramps = np.maximum(t[:, None] - places, 0.0) / (t[-1] - t[0])
+    left = np.zeros(len(places))
+    for fit in fits:
+        system = _system(fit.samples.part(rows), fit.choice, ramps)
+        solution = system.solve(fit.choice.smoothness)
+        new, rest = system.news(solution.coefficients, fit.choice.smoothness.memory)
+        columns = fit.samples.x.shape[1]
+        products = rest[:, columns:].T @ new[:, :columns]
+        gains = np.square(products).sum(axis=1) / np.einsum("nk,nk->k", rest[:, columns:], new[:, columns:])
+        alone = system.penalised_squares(solution.coefficients, fit.choice.smoothness, columns=columns)
+        left += (alone - gains) / fit.sigma**2
+    return float(left.min())
+
+
+def _system(samples: Samples, choice: Choice, more: Array) -> System:
+    """The equations of some samples alone, about their mean, with `more` (n, m) columns."""
+    x = np.column_stack([samples.x - samples.x.mean(axis=0), more])
+    return System(samples._replace(x=x, rate=None), knots_at(samples.t, choice.spacing), choice.spacing)
 
 
 def _longest_run(away: Mask, out: Indices) -> int:
@@ -215,7 +254,10 @@ def _longest_run(away: Mask, out: Indices) -> int:
     away = away.copy()
     away[out] = True
     edges = np.flatnonzero(np.diff(np.concatenate([[False], away, [False]]).astype(np.int8)))
-    return max((b - a for a, b in zip(edges[::2], edges[1::2], strict=True) if any((out >= a) & (out < b))), default=0)
+    return max(
+        (b - a for a, b in zip(edges[::2], edges[1::2], strict=True) if any((out >= a) & (out < b))),
+        default=0,
+    )
 
 
 def _bursts(event: Event) -> Iterator[tuple[int, int]]:
@@ -240,11 +282,11 @@ def _burst(fits: Sequence[Fit], rows: Indices, begin: int, end: int) -> float:
 
 
 def _beside(fit: Fit, rows: Indices, others: Indices) -> Array:
-    """(n, c) differences of some samples from the spline through other `rows`, per standard deviation of noise."""
+    """(n, k) differences of some samples from the spline through other `rows`, per standard deviation of noise."""
     piece = Piece(fit.samples.part(rows), fit.choice)
     value = np.empty((1, len(others), fit.samples.x.shape[1]))
     piece(fit.samples.t[others], 0, value)
-    return np.asarray((fit.samples.x[others] - value[0]) / fit.sigma)
+    return along_axes(value[0], fit.samples.x[others] - value[0]) / (fit.sigma * fit.spread)
 
 
 class _Quiet(NamedTuple):
@@ -272,16 +314,18 @@ def _truly(fits: Sequence[Fit], rest: Indices, out: Indices) -> tuple[int, ...]:
     if not out.size:
         return ()
     away = np.concatenate([_beside(fit, rest, out) for fit in fits], axis=1)
-    return tuple(int(k) for k in out[np.linalg.norm(away, axis=1) > _OUTLIER])
+    return tuple(int(k) for k in out[np.abs(away).max(axis=1) > _OUTLIER])
 
 
 def _alone(fit: Fit, rows: Indices) -> tuple[float, Array]:
     """Penalised squares per variance of some samples alone, and (n,) residuals per standard deviation."""
     samples = fit.samples.part(rows)
-    samples = samples._replace(x=samples.x - samples.x.mean(axis=0))
+    centre = samples.x.mean(axis=0)
+    samples = samples._replace(x=samples.x - centre)
     system = System(samples, knots_at(samples.t, fit.choice.spacing), fit.choice.spacing)
     solution = system.solve(fit.choice.smoothness)
     known = system.variance(samples.t, 0, inverse_band(system.factor(fit.choice.smoothness)))
-    residual = np.linalg.norm(system.residuals(solution.coefficients), axis=1)
+    residual = system.residuals(solution.coefficients)
+    size = np.abs(along_axes(samples.x - residual + centre, residual)) / (fit.sigma * fit.spread)
     # A sample that no other vouches for is its own spline.
-    return solution.energy / fit.sigma**2, residual / (fit.sigma * np.sqrt(np.maximum(1.0 - known, 0.05)))
+    return solution.energy / fit.sigma**2, size.max(axis=1) / np.sqrt(np.maximum(1.0 - known, 0.05))

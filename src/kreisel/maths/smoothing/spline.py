@@ -9,10 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel.maths.derivatives import UNKNOWN
+from kreisel.maths.smoothing.axes import along_axes, spread
 from kreisel.maths.smoothing.blocks import Piece
 from kreisel.maths.smoothing.joining import joined
 from kreisel.maths.smoothing.likelihood import Choice, most_likely, remembering
-from kreisel.maths.smoothing.outliers import Division, Fit, divide, same
+from kreisel.maths.smoothing.outliers import AROUND, Division, Fit, divide, same
 from kreisel.maths.smoothing.system import Samples
 
 Array = npt.NDArray[np.float64]
@@ -28,6 +29,11 @@ _JUMPS, _BELONGS = 5.0, 3.5
 # A smoothness is looked for again where the level of the noise has changed by this share.
 _ANOTHER = 0.1
 
+# Share of a recording that may be rough for the rest of it to tell how its noise is correlated.
+_RARELY = 0.025
+
+_ROUND_OFF = 1e-13  # of a sample, after the algebra of a spline
+
 
 @dataclass(frozen=True, slots=True)
 class SmoothSignal:
@@ -37,6 +43,7 @@ class SmoothSignal:
     t: Array  # (n,) s, of the samples
     division: Division  # of the samples
     sizes: Array  # (m, c) of the jumps, in the columns as they are after the jumps before
+    found: Array  # (groups,) standard deviation of the noise in a dimension as the samples show it
 
     @property
     def sigma(self) -> Array:
@@ -44,9 +51,9 @@ class SmoothSignal:
         return np.array([fit.sigma for fit in self.fits])
 
     @property
-    def found(self) -> Array:
-        """(groups,) the same as the samples show it."""
-        return np.array([_level(fit.pieces) for fit in self.fits])
+    def spread(self) -> Array:
+        """(k,) size of the noise along each axis of the groups, per that of their mean square in a group."""
+        return np.concatenate([fit.spread for fit in self.fits])
 
     @property
     def memory(self) -> Array:
@@ -73,7 +80,7 @@ class SmoothSignal:
     @property
     def floor(self) -> Array:
         """As `Signal` has it."""
-        return UNKNOWN * np.sqrt(self.variances(self.t, range(1, 2))[0].sum(axis=1))
+        return np.asarray(UNKNOWN * np.sqrt(self.variances(self.t, range(1, 2))[0].sum(axis=1)))
 
     def __call__(self, t: Array, order: int) -> Array:
         """(order + 1, n, c): value and derivatives at increasing times t (n,)."""
@@ -113,17 +120,28 @@ def smoothing_spline(
         Samples(t, x[:, g], None if rate is None else rate[:, g], dimensions or 1, level)
         for g, level in zip(groups, levels, strict=True)
     ]
-    # Rates are no help in finding outliers: those of a state estimate know nothing of its corrections.
-    fits, division = _purged([s._replace(rate=None) for s in samples])
+    # A level that is given may be wrong, and the rates of a state estimate know nothing of its corrections.
+    fits, division = _purged([s._replace(rate=None, sigma=None) for s in samples])
     whole, sizes = division._replace(breaks=()), np.zeros((0, x.shape[1]))
     if division.breaks:
         pairs = [joined(s, fit.choice, division) for s, fit in zip(samples, fits, strict=True)]
         samples, sizes = [s for s, _ in pairs], np.concatenate([size for _, size in pairs], axis=1)
     if division.breaks or rate is not None:
-        fits = [_searched(s, whole) for s in samples]
-    # A motion that is rougher for a while looks like noise that lasts.
-    fits = [fit if division.left else _remembering(fit, whole) for fit in fits]
-    return SmoothSignal(tuple(fits), t, division, sizes)
+        fits = [_searched(s._replace(sigma=None), whole) for s in samples]
+    # A motion that is rough, if only now and then, looks like noise that lasts.
+    if len(division.left) * AROUND < _RARELY * len(t):
+        fits = [_remembering(fit, whole) for fit in fits]
+    found = np.array([fit.sigma for fit in fits])
+    if sigma is not None:
+        fits = [_given(s, whole, fit) for s, fit in zip(samples, fits, strict=True)]
+    return SmoothSignal(tuple(fits), t, division, sizes, found)
+
+
+def _given(samples: Samples, division: Division, found: Fit) -> Fit:
+    """A fit to samples whose noise is given; it remembers as long as what was found."""
+    segments = division.segments(samples)
+    choice = most_likely(segments, found.choice.smoothness.memory)
+    return _fit(samples, segments, choice)
 
 
 def _purged(samples: Sequence[Samples]) -> tuple[list[Fit], Division]:
@@ -150,7 +168,7 @@ def _searched(samples: Samples, division: Division) -> Fit:
 def _again(fit: Fit, division: Division) -> Fit:
     """`fit` to another part of the samples; as smooth as before where the noise is the same."""
     same = _fit(fit.samples, division.segments(fit.samples), fit.choice)
-    if abs(_level(same.pieces) / _level(fit.pieces) - 1.0) < _ANOTHER:
+    if abs(same.sigma / fit.sigma - 1.0) < _ANOTHER:
         return same
     return _searched(fit.samples, division)
 
@@ -164,7 +182,21 @@ def _remembering(fit: Fit, division: Division) -> Fit:
 
 def _fit(samples: Samples, segments: Sequence[Samples], choice: Choice) -> Fit:
     pieces = tuple(Piece(segment, choice) for segment in segments)
-    return Fit(samples, choice, pieces, samples.sigma or _level(pieces))
+    away = [
+        along_axes(value, piece.samples.x + piece.centre - value)
+        for piece, value in zip(pieces, map(_values, pieces), strict=True)
+    ]
+    # What does not move at all has no noise but round-off.
+    least = _ROUND_OFF * float(np.abs(samples.x).max()) + 1e-100
+    sigma = samples.sigma or max(_level(pieces), least)
+    return Fit(samples, choice, pieces, sigma, spread(np.concatenate(away)))
+
+
+def _values(piece: Piece) -> Array:
+    """(n, c) at the samples of a piece."""
+    value = np.empty((1, *piece.samples.x.shape))
+    piece(piece.samples.t, 0, value)
+    return np.asarray(value[0])
 
 
 def _level(pieces: Sequence[Piece]) -> float:
@@ -175,7 +207,10 @@ def _level(pieces: Sequence[Piece]) -> float:
 
 def _confirmed(fits: Sequence[Fit], division: Division) -> Division:
     """`division` without breaks at which both sides meet: a corner of the path is no jump."""
-    jumps = [any(_jumps(*fit.pieces[k : k + 2], fit.sigma) for fit in fits) for k in range(len(division.breaks))]
+    jumps = [
+        any(_jumps(fit.pieces[k], fit.pieces[k + 1], fit.sigma) for fit in fits)
+        for k in range(len(division.breaks))
+    ]
     meet = tuple(place for place, is_jump in zip(division.breaks, jumps, strict=True) if not is_jump)
     stay = tuple(place for place in division.breaks if place not in meet)
     return division._replace(breaks=stay, met=division.met + meet)
@@ -183,13 +218,16 @@ def _confirmed(fits: Sequence[Fit], division: Division) -> Division:
 
 def _jumps(before: Piece, after: Piece, sigma: float) -> bool:
     """Whether two pieces differ at every time near the break; where a path bends they meet."""
-    t = np.linspace(before.samples.t[-1], after.samples.t[0], 7)
+    ends = before.samples.t[-2:], after.samples.t[:2]
+    t = np.append(np.linspace(ends[0][0], ends[1][1], 400), 0.5 * (ends[0][1] + ends[1][0]))
+    order = np.argsort(t)
     values, variances = np.empty((2, 1, len(t), len(before.centre))), np.empty((2, 1, len(t)))
     for piece, value, variance in zip((before, after), values, variances, strict=True):
-        piece(t, 0, value)
-        piece.variances(t, range(1), variance)
-    difference = np.linalg.norm(values[1, 0] - values[0, 0], axis=1)
-    return bool((difference > _JUMPS * sigma * np.sqrt(variances.sum(axis=(0, 1)))).all())
+        piece(t[order], 0, value)
+        piece.variances(t[order], range(1), variance)
+    # Beyond its end a piece soon knows nothing: what is known halfway decides.
+    halfway = variances.sum(axis=(0, 1))[np.argmax(order)]
+    return bool(np.linalg.norm(values[1, 0] - values[0, 0], axis=1).min() > _JUMPS * sigma * np.sqrt(halfway))
 
 
 def _taken_back(fits: Sequence[Fit], division: Division) -> Division:
@@ -209,5 +247,6 @@ def _fits(fit: Fit, piece: Piece, rows: Indices) -> Mask:
     piece(t, 0, value)
     piece.variances(t, range(1), variance)
     # Where next to nothing is known everything fits.
-    known = fit.sigma * np.sqrt(1.0 + np.minimum(variance[0], 1.0))
-    return np.asarray(np.linalg.norm(x - value[0], axis=1) < _BELONGS * known)
+    known = np.sqrt(1.0 + np.minimum(variance[0], 1.0))
+    away = np.abs(along_axes(value[0], x - value[0])) / (fit.sigma * fit.spread)
+    return np.asarray(away.max(axis=1) < _BELONGS * known)

@@ -45,7 +45,7 @@ class Samples(NamedTuple):
         """What the samples know beyond the polynomials that no penalty touches."""
         return self.dimensions * (len(self.t) * (1 if self.rate is None else 2) - ORDER)
 
-    def part(self, rows: slice | npt.NDArray[np.bool_]) -> Samples:
+    def part(self, rows: slice | npt.NDArray[np.bool_] | npt.NDArray[np.intp]) -> Samples:
         """Some of the samples, in order."""
         return self._replace(
             t=self.t[rows], x=self.x[rows], rate=None if self.rate is None else self.rate[rows]
@@ -82,7 +82,10 @@ class System:
         if samples.rate is not None:
             rows = basis_rows(knots, samples.t, 1)
             self.rate_rows = rows
-            self.rate_gram, self.rate_moments = gram(rows, self.size), transposed(rows, samples.rate, self.size)
+            self.rate_gram, self.rate_moments = (
+                gram(rows, self.size),
+                transposed(rows, samples.rate, self.size),
+            )
 
     def _whitened(self, memory: float) -> tuple[Rows, Array, Array, Array, float]:
         """Rows and samples whose noise is white; Gram matrix, moments, and log determinant of the change."""
@@ -102,7 +105,7 @@ class System:
 
     def solve(self, smoothness: Smoothness) -> Solution:
         """Best spline for a smoothness."""
-        rows, x, _, moments, log_size = self._values(smoothness.memory)
+        _, x, _, moments, log_size = self._values(smoothness.memory)
         factor = self.factor(smoothness)
         if self.samples.rate is not None:
             moments = moments + smoothness.weight * self.rate_moments
@@ -113,15 +116,20 @@ class System:
         return Solution(c, energy, float(freedom + log_size))
 
     def penalised_squares(
-        self, c: Array, smoothness: Smoothness, first: int = 0, last: int | None = None
+        self,
+        c: Array,
+        smoothness: Smoothness,
+        first: int = 0,
+        last: int | None = None,
+        columns: int | None = None,
     ) -> float:
-        """What `solve` makes least; of the coefficients from `first` up to `last` alone where these are given."""
+        """What `solve` makes least; of the coefficients from `first` up to `last`, and the first columns, alone."""
         last = self.size if last is None else last
         mine = slice(*np.searchsorted(self.rows.starts, [first, last]))
-        energy = np.square(self.news(c, smoothness.memory)[1][mine]).sum()
-        energy += smoothness.penalty * np.square(product(self.penalties, c)[first:last]).sum()
+        energy = np.square(self.news(c, smoothness.memory)[1][mine, :columns]).sum()
+        energy += smoothness.penalty * np.square(product(self.penalties, c)[first:last, :columns]).sum()
         if self.samples.rate is not None:
-            left = (self.samples.rate - product(self.rate_rows, c))[mine]
+            left = (self.samples.rate - product(self.rate_rows, c))[mine, :columns]
             energy += smoothness.weight * np.square(left).sum()
         return float(energy)
 
@@ -156,4 +164,3 @@ class System:
         # Kept off zero: constant samples are fitted without any residual.
         free = samples.degrees_of_freedom
         return float(free * np.log(max(solution.energy, 1e-300) / free) + freedom)
-

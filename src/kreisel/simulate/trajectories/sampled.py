@@ -10,18 +10,14 @@ import numpy as np
 
 from kreisel.data.checks import (
     Array,
-    as_array,
     choice,
     finite,
     increasing,
     per_axis,
-    radians,
     read_only,
-    rotations,
     same_length,
     scalar,
     shaped,
-    unit_quaternions,
 )
 from kreisel.data.motion import Motion, Note
 from kreisel.data.smoothing import Smoothing
@@ -32,18 +28,17 @@ from kreisel.maths.following.course import Course
 from kreisel.maths.following.tangent import Attitude
 from kreisel.maths.kinematics import quaternion_motion
 from kreisel.maths.rotations import (
-    continuous_signs,
     matrix_from_euler,
     matrix_from_quat_wxyz,
-    quat_wxyz_from_matrix,
 )
 from kreisel.simulate.notes import AIMLESS, joint_notes
+from kreisel.simulate.orientation import measured, quaternions
 from kreisel.simulate.samples import FEWEST_SMOOTH, Behind, Columns, behind, gaps, known_rows
 
 METHODS = ("auto", "spline", "smooth", "gradient")
 
 MAX_GAP = 0.25
-"""Seconds without samples that are bridged unless a user allows more: a quarter of a cycle of the slowest human motion."""
+"""Seconds without samples that are bridged unless a user allows more."""
 
 # Below, a spline has no third derivative to turn a tangent by; a smoother has nothing to average.
 _FEWEST = {"spline": 6, "smooth": FEWEST_SMOOTH, "gradient": 3}
@@ -88,14 +83,14 @@ class SampledTrajectory:
         if self.order is not None:
             choice("order", self.order, ("wxyz", "xyzw"))
         put(self, "t", increasing("t", shaped("t", self.t, ("n",))))
-        put(self, "position", _measured("position", shaped("position", self.position, ("n", 3))))
+        put(self, "position", measured("position", shaped("position", self.position, ("n", 3))))
         if self.velocity is not None:
             put(self, "velocity", finite("velocity", shaped("velocity", self.velocity, ("n", 3))))
         same_length(self.t, position=self.position, velocity=self.velocity)
         if isinstance(self.orientation, str):
             choice("orientation", self.orientation, ("tangent", "transport"))
         else:
-            put(self, "orientation", _quaternions(self.orientation, self.order))
+            put(self, "orientation", quaternions(self.orientation, self.order))
             same_length(self.t, orientation=self.orientation)
         self._check_noise()
         self._check_gaps()
@@ -106,13 +101,19 @@ class SampledTrajectory:
             if given is None:
                 continue
             if self.method in ("spline", "gradient"):
-                raise ValueError(f"{name} is for smoothing; method {self.method!r} takes the samples as they are.")
+                raise ValueError(
+                    f"{name} is for smoothing; method {self.method!r} takes the samples as they are."
+                )
             sigma = per_axis(name, given, unit)
             if not (sigma > 0.0).all():
-                raise ValueError(f"{name} must be above 0, {unit}; got {given!r}. Leave it out to have it found.")
+                raise ValueError(
+                    f"{name} must be above 0, {unit}; got {given!r}. Leave it out to have it found."
+                )
             object.__setattr__(self, name, sigma)
         if self.attitude_noise is not None and isinstance(self.orientation, str):
-            raise ValueError(f"attitude_noise has no meaning with orientation {self.orientation!r}: no attitude is measured.")
+            raise ValueError(
+                f"attitude_noise has no meaning with orientation {self.orientation!r}: no attitude is measured."
+            )
 
     def _check_gaps(self) -> None:
         """Refuse too few samples, and gaps that are too long."""
@@ -218,7 +219,9 @@ class SampledTrajectory:
             variances = position.variances(times, range(2, 3))
             turns = tuple(np.sqrt(self._attitude.variances(times, range(3))))
         a_sigma = np.sqrt(variances[0 if len(variances) == 1 else 2])
-        return dict(zip(("theta_sigma", "omega_sigma", "alpha_sigma"), turns, strict=True)) | {"a_sigma": a_sigma}
+        return dict(zip(("theta_sigma", "omega_sigma", "alpha_sigma"), turns, strict=True)) | {
+            "a_sigma": a_sigma
+        }
 
     def _turns_along(self, times: Array, R_NB: Array, variances: Array) -> tuple[Array, Array, Array]:
         from kreisel.maths.following.uncertainty import carried_sigmas, course_sigmas
@@ -287,52 +290,6 @@ def example() -> SampledTrajectory:
     angle = 2.0 * np.pi * t
     return SampledTrajectory(
         t, np.stack([0.8 * np.cos(angle), 0.8 * np.sin(angle), 0.3 * np.cos(3.0 * angle)], axis=1)
-    )
-
-
-def _quaternions(orientation: Any, order: str | None) -> Array:
-    """q_NB_wxyz (n, 4) from any of the descriptions of attitude a user may hold.
-
-    Sign-continuous from row to row; NaN where a row has NaN.
-    """
-    if hasattr(orientation, "as_matrix"):
-        orientation = orientation.as_matrix()
-    if np.ndim(orientation) < 2 or not len(orientation):
-        return _complete_quaternions(orientation, order)
-    rows = _measured("orientation", as_array("orientation", orientation))
-    known = known_rows(rows)
-    if known.all():
-        return _complete_quaternions(orientation, order)
-    q = np.full((len(rows), 4), np.nan)
-    q[known] = _complete_quaternions(rows[known], order)
-    return q
-
-
-def _measured(name: str, x: Array) -> Array:
-    """`x` itself, or a ValueError for a number that is infinite; NaN is a missing sample."""
-    finite(name, np.where(np.isnan(x), 0.0, x))
-    return x
-
-
-def _complete_quaternions(orientation: Any, order: str | None) -> Array:
-    shape = np.shape(orientation)
-    if shape[1:] == (3, 3):
-        R = rotations("orientation", shaped("orientation", orientation, ("n", 3, 3)))
-        return quat_wxyz_from_matrix(R)
-    if shape[1:] == (3,):
-        phi = radians("orientation", finite("orientation", shaped("orientation", orientation, ("n", 3))))
-        return quat_wxyz_from_matrix(matrix_from_euler(phi))
-    if shape[1:] == (4,):
-        if order is None:
-            raise ValueError(
-                f'quaternions need order="wxyz" or order="xyzw"; got {order!r}. '
-                "ROS, TUM files and SciPy write xyzw; MATLAB, EuRoC and Eigen's constructor wxyz."
-            )
-        q = unit_quaternions("orientation", shaped("orientation", orientation, ("n", 4)))
-        return continuous_signs(q if order == "wxyz" else q[:, [3, 0, 1, 2]])
-    raise ValueError(
-        "orientation must be Euler angles (n, 3), quaternions (n, 4), matrices (n, 3, 3), a SciPy Rotation, "
-        f'"tangent" or "transport"; got shape {shape}.'
     )
 
 
