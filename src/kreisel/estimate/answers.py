@@ -10,7 +10,7 @@ import numpy as np
 from kreisel.data.attitude import AttitudeHistory, Mask
 from kreisel.data.recording import ImuRecording
 from kreisel.estimate import filters as at
-from kreisel.estimate.filters import Array, AttitudeFilter, KnowingFilter
+from kreisel.estimate.filters import Array, AttitudeFilter
 from kreisel.maths.kernels import inlined, kernel
 from kreisel.maths.vectors import Rows, dot, load, nearest_rotation
 
@@ -31,7 +31,8 @@ class Columns(NamedTuple):
     @classmethod
     def room_for(cls, filter: AttitudeFilter, shape: tuple[int, ...], heading: bool = False) -> Columns:
         """Room for what this filter says of (n,) samples or (runs, n)."""
-        return cls.of(shape, filter.learns_bias, heading, isinstance(filter, KnowingFilter))
+        # What makes a KnowingFilter; to ask a protocol costs as much as a hundred samples.
+        return cls.of(shape, filter.learns_bias, heading, hasattr(filter, "sigma"))
 
     @classmethod
     def of(cls, shape: tuple[int, ...], bias: bool, heading: bool = False, sigma: bool = False) -> Columns:

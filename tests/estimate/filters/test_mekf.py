@@ -44,6 +44,12 @@ def test_truth_stays_truth(mode: Any, rng: np.random.Generator) -> None:
     assert np.radians(angles_deg(history.R_NS, truth)[0]).max() < 1e-9
 
 
+def test_a_first_attitude_of_a_few_digits_stands_for_the_nearest_rotation(rng: np.random.Generator) -> None:
+    recording, truth = worn(1.0, rng)
+    R = run(MekfFilter(), recording, R_NS=np.round(truth[0] @ exp_so3(rng.normal(size=3)), 7)).R_NS
+    assert np.abs(R @ R.transpose(0, 2, 1) - np.eye(3)).max() < 1e-12
+
+
 def test_stays_orthonormal_for_a_million_steps(rng: np.random.Generator) -> None:
     t = times(1000.0, 1000.0)
     gyro, accel, mag = (rng.normal(size=(len(t), 3)) for _ in range(3))
@@ -146,6 +152,9 @@ def test_six_and_nine_dof_come_from_one_pass(rng: np.random.Generator) -> None:
     recording, truth = turning(t, tumbling(t, rng), exp_so3(np.array([0.0, 0.0, 1.0])))
     nine, six = run_both(MekfFilter(), recording)
     assert angles_deg(nine.R_NS, truth)[0].max() < 1e-6
+    assert nine.sigma is not None and np.array_equal(nine.sigma, run(MekfFilter(), recording).sigma)
+    # That of the heading without the magnetometer is not in the state.
+    assert six.sigma is None
     assert angles_deg(six.R_NS, run(MekfFilter(mode="6"), recording).R_NS)[0].max() < 1e-6
 
 

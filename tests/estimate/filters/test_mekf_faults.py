@@ -48,8 +48,9 @@ def test_ten_seconds_of_a_fault(sensor: str, fault: str) -> None:
             np.clip(part, -0.4 * np.abs(part).max(), 0.4 * np.abs(part).max(), out=part)
         return is_back(dataclasses.replace(recording, **{sensor: values}), truth)
 
-    # Always the same six; benchmarks/bench_faults.py counts those that are not, one in a hundred.
-    assert sum(found_back(seed) for seed in range(6)) >= 5
+    # Always the same six, the worst of which is at half of what is asked. benchmarks/bench_faults.py counts those
+    # that do not find back, one in a hundred.
+    assert all(found_back(seed) for seed in range(6))
 
 
 @pytest.mark.parametrize("value", [0.0, 1e3, 1e30, np.inf, -np.inf, np.nan])
