@@ -200,7 +200,9 @@ def _told(report: dict[str, Any]) -> list[str]:
 def _dependency(found: dict[str, Any]) -> str:
     if found["version"] is None:
         return "MISSING"
-    return found["version"] if found["error"] is None else f"{found['version']}, DOES NOT LOAD: {found['error']}"
+    return (
+        found["version"] if found["error"] is None else f"{found['version']}, DOES NOT LOAD: {found['error']}"
+    )
 
 
 def _cached(cache: dict[str, Any]) -> str:
