@@ -95,10 +95,10 @@ def _known(action: Action) -> tuple[str, ...]:
     vocabulary: dict[str, Sequence[str]] = {
         **_WORDS,
         **dict.fromkeys(("--frame", "--to-frame"), tuple(WORLDS)),
-        **dict.fromkeys(("--from", "--to", "--imu-format"), doors.format_names()),
-        **dict.fromkeys(("--sensor", "sensor"), presets.names()),
-        "--kind": doors.KINDS,
-        "--as": courses.KINDS,
+        **dict.fromkeys(("--from", "--to", "--imu-format"), tuple(doors.format_names())),
+        **dict.fromkeys(("--sensor", "sensor"), tuple(presets.names())),
+        "--kind": tuple(doors.KINDS),
+        "--as": tuple(courses.KINDS),
         "--filter": [plug_in.replace("_", "-") for plug_in in discovery.names(filters.FILTERS)],
     }
     return tuple(vocabulary.get(name, ()))

@@ -151,7 +151,7 @@ def _cache() -> dict[str, Any]:
     # Plain Python where compilation is switched off; nothing where no folder can be written.
     folder = getattr(getattr(known, "stats", None), "cache_path", None)
     if folder is None:
-        return {**nothing, "error": "compiled code is not cached: every start takes seconds longer"}
+        return {**nothing, "error": "not cached: NUMBA_DISABLE_JIT is set, or no folder can be written"}
     folders = _cache_folders(Path(folder), known)
     files = [file for place in folders for file in place.glob("*.nb[ic]")]
     # Beside the sources every package has a folder of its own; elsewhere one holds them all.
@@ -207,7 +207,7 @@ def _dependency(found: dict[str, Any]) -> str:
 
 def _cached(cache: dict[str, Any]) -> str:
     if cache["error"] is not None:
-        return cache["error"]  # type: ignore[no-any-return]
+        return str(cache["error"])
     kept = f"{cache['kernels']} kernels, {cache['bytes'] / 1e6:.1f} MB, in {cache['folder']}"
     return kept + ("" if cache["writable"] else ", NOT WRITABLE: what is missing is compiled at every start")
 
