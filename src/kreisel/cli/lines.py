@@ -120,7 +120,8 @@ class Lines:
         """ "3 of 1200 lines skipped; the first: line 17, ..."; empty where none was."""
         if not self.skipped:
             return ""
-        return f"{self.skipped} of {self.count} lines skipped; the first: {self.complaint}"
+        lines = "lines" if self.count > 1 else "line"
+        return f"{self.skipped} of {self.count} {lines} skipped; the first: {self.complaint}"
 
     def _is_header(self, text: str) -> bool:
         """Whether these are names; boards print words of other kinds as they start."""
@@ -182,7 +183,7 @@ class Lines:
             raise _Malformed(f"{width} numbers and no time: say --rate HZ")
         else:
             expected = "7 or 10" if self._rate_hz is None else "6, 7, 9 or 10"
-            raise _Malformed(f"{width} fields where {expected} are expected")
+            raise _Malformed(f"{width} field{'s' if width > 1 else ''} where {expected} are expected")
         self._bound[width] = found
         return found
 

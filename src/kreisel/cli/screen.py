@@ -53,6 +53,8 @@ class Screen:
         first = self._latest is None
         if sample is not None:
             self._heard = now
+            if self._latest is None or self._latest[0] is None:
+                self._since, self._counted = now, lines.good
         elif self._latest is not None:
             sample = self._latest[0]
         self._latest = sample, stream, lines
@@ -69,26 +71,44 @@ class Screen:
         if sample is None:
             picture: Text | Group = _waiting(lines)
         else:
-            picture = panel(self._console, sample, stream.snapshot(), lines, self._rate, now - self._heard)
+            picture = panel(
+                self._console,
+                sample,
+                stream.snapshot(),
+                lines,
+                rate_hz=self._rate,
+                silence=now - self._heard,
+                listens=getattr(stream.filter, "mode", "auto") not in ("6", "gyro"),
+            )
         self._live.update(picture, refresh=True)
 
 
 def panel(
-    console: Console, sample: Sample, now: Snapshot, lines: Lines, rate_hz: float, silence: float
+    console: Console,
+    sample: Sample,
+    now: Snapshot,
+    lines: Lines,
+    *,
+    rate_hz: float,
+    silence: float,
+    listens: bool,
 ) -> Group:
     """The instrument after `sample`: horizon and compass where there is room, numbers, what was skipped.
 
     rate_hz : at which samples arrive, NaN where it is not known yet. silence : s since the latest of them.
+    listens : to the magnetometer, where there is one.
     """
     heading, pitch, roll = pilots_angles(now.R_NS)
     numbers = _numbers(heading, pitch, roll)
     numbers.add_row("rate", "-" if math.isnan(rate_hz) else f"{rate_hz:.1f}", "Hz")
-    bias = " ".join(f"{x:+.2f}" for x in np.degrees(now.gyro_bias))
-    beside = Group(numbers, f"gyro bias  {bias} deg/s", "", *_flags(sample, now))
+    # Zero added to it, a small negative number is not shown as -0.00.
+    bias = " ".join(f"{round(x, 2) + 0.0:+.2f}" for x in np.degrees(now.gyro_bias).tolist())
+    beside = Group(numbers, f"gyro bias  {bias} deg/s", "", *_flags(sample, now, listens))
     foot = _foot(sample, lines, silence)
     if console.width < _COLUMNS + _BESIDE + 3 or console.height < _ROWS + 4:
         return Group(beside, foot)
-    picture = drawn(raster(now.R_NS, _ROWS, _COLUMNS), console.color_system is not None)
+    coloured = console.color_system is not None and not console.no_color
+    picture = drawn(raster(now.R_NS, _ROWS, _COLUMNS), coloured)
     compass = [Text(tape(heading, _COLUMNS)), Text("|".center(_COLUMNS), _FAINT)]
     whole = Table.grid(padding=(0, 3, 0, 0))
     whole.add_row(Group(*compass, *picture), Group("", "", beside))
@@ -109,10 +129,12 @@ def _numbers(heading: float, pitch: float, roll: float) -> Table:
     return table
 
 
-def _flags(sample: Sample, now: Snapshot) -> list[Text]:
+def _flags(sample: Sample, now: Snapshot, listens: bool) -> list[Text]:
     rest = Text("at rest", _GOOD) if now.rest else Text("moving")
     if all(map(math.isnan, sample.mag_uT)):
         field = Text("no magnetometer", _FAINT)
+    elif not listens:
+        field = Text("magnetometer not used", _FAINT)
     else:
         field = (
             Text("magnetic field disturbed", _BAD) if now.disturbed else Text("magnetic field good", _GOOD)
