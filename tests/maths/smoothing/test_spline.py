@@ -79,8 +79,10 @@ def test_uneven_times_and_a_gap_do_no_harm(rng):
     t = t[(t < 2.0) | (t > 2.1)]
     smooth = smoothing_spline(t, path(t) + 1e-4 * rng.normal(size=(len(t), 3)))
     at = np.linspace(0.2, 4.8, 500)
-    # Position is known to about sigma everywhere, in the gap of 0.1 s too.
-    assert np.abs(smooth(at, 0)[0] - path(at)).max() < 1e-3
+    error, known = smooth(at, 0)[0] - path(at), np.sqrt(smooth.variances(at, range(1))[0])
+    # 1500 places that are not independent; in the gap of 0.1 s, a third of the fastest period, ten times sigma.
+    assert (np.abs(error) < 5.0 * known).all()
+    assert known.max() < 2e-3
 
 
 def test_long_recordings_take_their_smoothness_from_stretches(rng):
