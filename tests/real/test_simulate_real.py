@@ -24,7 +24,7 @@ def low_passed_acceleration(poses, cutoff=8.0):
     [
         # EuRoC's own estimate moves by hundredths of a millimetre from row to row, and corrects itself by two tenths
         # now and then, which are told and taken off: 0.33 mm.
-        ("euroc_V1_02_groundtruth.csv", "smoothed with the velocities", 6e-4),
+        ("euroc_V1_02_groundtruth.csv", "smoothed with the velocities", 3e-4),
         # Motion capture of a hand-held camera, with outliers of some millimetres.
         ("tum_freiburg1_xyz_groundtruth.txt", "smoothed", 1e-3),
     ],

@@ -30,7 +30,7 @@ MARGIN = 320
 
 WIDER = 2.0
 """Standard errors are those of this many times the penalty found, which count two fifths of the error that the prior
-foresees for what it smooths away: see docs/decisions/0040-standard-errors-of-smoothed-poses.md"""
+foresees for what it smooths away: see docs/decisions/0043-standard-errors-of-smoothed-poses.md"""
 
 
 def lost_share(order: int) -> float:

@@ -24,7 +24,7 @@ _LOWEST, _HIGHEST = -7.0, 4.0
 
 # The likelihood is taken over this many stretches of this many samples at most: enough to know the noise
 # level to a few per cent, at a cost that does not grow with the recording.
-_STRETCHES, _STRETCH = 8, 1024
+_STRETCHES, _STRETCH = 8, 4096
 
 # Time constants of noise that are looked for: from the first many steps of the samples up to the time below, s, as
 # filters of motion capture leave them (what lasts longer may be motion); and, in steps, where the search begins.

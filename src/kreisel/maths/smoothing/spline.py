@@ -121,12 +121,13 @@ def smoothing_spline(
         for g, level in zip(groups, levels, strict=True)
     ]
     # A level that is given may be wrong, and the rates of a state estimate know nothing of its corrections.
-    fits, division = _purged([s._replace(rate=None, sigma=None) for s in samples])
+    fits, purged = _purged([s._replace(rate=None, sigma=None) for s in samples])
+    division = _believed(purged)
     whole, sizes = division._replace(breaks=()), np.zeros((0, x.shape[1]))
     if division.breaks:
         pairs = [joined(s, fit.choice, division) for s, fit in zip(samples, fits, strict=True)]
         samples, sizes = [s for s, _ in pairs], np.concatenate([size for _, size in pairs], axis=1)
-    if division.breaks or rate is not None:
+    if purged.breaks or rate is not None:
         fits = [_searched(s._replace(sigma=None), whole) for s in samples]
     # A motion that is rough, if only now and then, looks like noise that lasts.
     if len(division.left) * AROUND < _RARELY * len(t):
@@ -158,6 +159,17 @@ def _purged(samples: Sequence[Samples]) -> tuple[list[Fit], Division]:
             break
         fits = [_again(fit, division) for fit in fits]
     return fits, division
+
+
+def _believed(division: Division) -> Division:
+    """`division` itself, or without its breaks where the path is rough at more places than it jumps at.
+
+    Rough all along, it has a noise of another kind than jumps are measured by, and moving whole parts by what may be
+    the motion does more harm than a jump that is smoothed over. Such places are told as rough ones.
+    """
+    if len(division.left) <= len(division.breaks):
+        return division
+    return division._replace(breaks=(), left=tuple(sorted(division.left + division.breaks)))
 
 
 def _searched(samples: Samples, division: Division) -> Fit:
