@@ -57,11 +57,13 @@ def test_blocks_join(rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(blocks, "_BLOCK", 17.3)
     monkeypatch.setattr(blocks, "_AHEAD", 60.0)
     parts = smooth(MekfFilter(), recording)
-    # What lies more than a minute ahead tells little: a tenth of the error that is left anyway.
-    assert angles_deg(parts.R_NS, whole.R_NS)[0].max() < 0.5
-    assert np.diff(angles_deg(parts.R_NS, whole.R_NS)[0]).max() < 0.2
-    left = [np.sqrt(np.mean(angles_deg(h.R_NS, truth)[0] ** 2)) for h in (whole, parts)]
-    assert left[1] < 1.3 * left[0]
+    apart = angles_deg(parts.R_NS, whole.R_NS)[0]
+    # What lies more than a minute ahead tells little. In 40 draws the two were 0.04 deg apart (RMS), 0.12 at most, beside
+    # 0.14 deg of error that is left anyway, and no two neighbours parted by more than 0.05 deg.
+    assert apart.max() < 0.8 and np.sqrt(np.mean(apart**2)) < 0.25
+    assert np.diff(apart).max() < 0.2
+    for history in (whole, parts):
+        assert np.sqrt(np.mean(angles_deg(history.R_NS, truth)[0] ** 2)) < 0.6
 
 
 def test_a_late_magnetometer_reaches_back(rng: np.random.Generator) -> None:
