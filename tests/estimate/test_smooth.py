@@ -58,8 +58,8 @@ def test_blocks_join(rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(blocks, "_AHEAD", 60.0)
     parts = smooth(MekfFilter(), recording)
     apart = angles_deg(parts.R_NS, whole.R_NS)[0]
-    # What lies more than a minute ahead tells little. In 40 draws the two were 0.04 deg apart (RMS), 0.12 at most, beside
-    # 0.14 deg of error that is left anyway, and no two neighbours parted by more than 0.05 deg.
+    # What lies more than a minute ahead tells little. In 40 draws the two were 0.04 deg apart (RMS), 0.12 at most,
+    # beside 0.14 deg of error that is left anyway, and no two neighbours parted by more than 0.05 deg.
     assert apart.max() < 0.8 and np.sqrt(np.mean(apart**2)) < 0.25
     assert np.diff(apart).max() < 0.2
     for history in (whole, parts):
