@@ -56,7 +56,8 @@ def observe_field(state: Array, params: Array, P: Array, rest: bool) -> float:
     before = state[at.CORRECTION + 2]
     observe(state, P, 2, error, variance)
     state[at.HEADING] -= state[at.CORRECTION + 2] - before
-    _learn(state, params, level, up, 1.0 / doubt)
+    reference = state[at.FIELD : at.FIELD_TIME + 1]
+    learn_reference(reference, params[at.FIELD_MEMORY], state[at.LENGTH], level, up, 1.0 / doubt)
     if not rest:
         _reconsider(state, params, P, level, up)
     return at.DISTURBED if doubt > 2.0 else 0.0
@@ -89,14 +90,19 @@ def _deviation(state: Array, params: Array, level: float, up: float) -> float:
 
 
 @kernel
-def _learn(state: Array, params: Array, level: float, up: float, trust: float) -> None:
-    """The reference is the mean of a first while, and then slowly follows what is trusted."""
-    state[at.FIELD_TIME] += state[at.LENGTH]
-    if state[at.FIELD_TIME] < params[at.FIELD_MEMORY]:
+def learn_reference(
+    reference: Array, memory: float, dt: float, level: float, up: float, trust: float
+) -> None:
+    """The reference is the mean of a first while, and then slowly follows what is trusted.
+
+    reference: horizontal and up, and for how long it has been learned, s.
+    """
+    reference[2] += dt
+    if reference[2] < memory:
         trust = 1.0
-    k = trust * state[at.LENGTH] / min(state[at.FIELD_TIME], params[at.FIELD_MEMORY])
-    state[at.FIELD] += k * (level - state[at.FIELD])
-    state[at.FIELD + 1] += k * (up - state[at.FIELD + 1])
+    k = trust * dt / min(reference[2], memory)
+    reference[0] += k * (level - reference[0])
+    reference[1] += k * (up - reference[1])
 
 
 @kernel

@@ -36,12 +36,14 @@ STEADY = 482  # s of motion through which the candidate has stayed the same
 DEVIATION = 483  # squared deviation of the field from the reference, its peaks slowly released
 STUCK = 484  # rad, rotation since the magnetometer last read anything new
 LATEST_MAG = 485  # 3
+# The memory of rest: these three in this order (see rest).
 REST_TIME = 488  # s, how long the sensor has been at rest
 STRETCH = 489  # 4: sums of gyro times dt and of dt over the current stretch of rest
 WAITING = 493  # 4: the stretch before, whose mean is believed once the current one is complete
 NEXT_PART = 497  # s into the window, when TURN is next due
 # Sums over the current window, zero at its start.
 SUMS = 498
+# The first six in this order for rest, and TURN before SUMMED for linearise.
 LENGTH = 498  # s
 GYRO_SUM = 499  # 3: times dt
 GYRO_SQUARES = 502

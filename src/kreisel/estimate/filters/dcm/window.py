@@ -39,25 +39,32 @@ _REST_NOISE = 0.02
 @kernel
 def close_part(state: Array, params: Array) -> None:
     """Linearise a part of the window, and close the window with its last part."""
-    dt = state[at.LENGTH] - state[at.SUMMED]
-    turn = (
-        state[at.GYRO_SUM] - state[at.SUMMED + 1],
-        state[at.GYRO_SUM + 1] - state[at.SUMMED + 2],
-        state[at.GYRO_SUM + 2] - state[at.SUMMED + 3],
-    )
-    for i in range(3):
-        row = at.TURN + at.CONSTANTS * i
-        for j in range(3):
-            r = state[at.R_NS + 3 * i + j]
-            state[row + j] -= r * dt
-            state[row + 3 + j] -= r * turn[0]
-            state[row + 6 + j] -= r * turn[1]
-            state[row + 9 + j] -= r * turn[2]
-    state[at.SUMMED] = state[at.LENGTH]
-    store(state, at.SUMMED + 1, load(state, at.GYRO_SUM))
+    linearise(state, at.LENGTH, at.TURN)
     if is_over(state[at.LENGTH], params):
         close_window(state, params)
     state[at.NEXT_PART] = next_part(state[at.LENGTH], params)
+
+
+@kernel
+def linearise(state: Array, length: int, turn: int) -> None:
+    """What an error of the constants turns the attitude by, in the part of the window since the last one.
+
+    length: place in the state of the window's length, behind which is the sum of the gyro; turn: of the matrix, behind
+    which are length and sum that it holds already.
+    """
+    summed = turn + 3 * at.CONSTANTS
+    dt = state[length] - state[summed]
+    moved = added(load(state, length + 1), -1.0, load(state, summed + 1))
+    for i in range(3):
+        row = turn + at.CONSTANTS * i
+        for j in range(3):
+            r = state[at.R_NS + 3 * i + j]
+            state[row + j] -= r * dt
+            state[row + 3 + j] -= r * moved[0]
+            state[row + 6 + j] -= r * moved[1]
+            state[row + 9 + j] -= r * moved[2]
+    state[summed] = state[length]
+    store(state, summed + 1, load(state, length + 1))
 
 
 @inlined

@@ -2,6 +2,7 @@
 
 import math
 
+from kreisel.estimate.filters.dcm.field import learn_reference
 from kreisel.estimate.filters.mekf import layout as at
 from kreisel.estimate.filters.mekf.covariance import look, row_of_next, take
 from kreisel.maths.kernels import kernel
@@ -67,7 +68,8 @@ def observe_field(state: Array, params: Array, P: Array, rest: bool) -> float:
     error = math.atan2(sin_d * north - cos_d * east, cos_d * north + sin_d * east)
     _correct_heading(state, params, P, error, variance, doubt)
     if tilt <= _LEVEL**2 or state[at.FIELD_TIME] == 0.0:
-        _learn(state, params, level, up, 1.0 / doubt)
+        reference = state[at.FIELD : at.FIELD_TIME + 1]
+        learn_reference(reference, params[at.FIELD_MEMORY], dt, level, up, 1.0 / doubt)
     if not rest and tilt <= _LEVEL**2:
         _reconsider(state, params, P, level, up)
     return at.DISTURBED if doubt > 2.0 else 0.0
@@ -137,17 +139,6 @@ def _deviation(state: Array, params: Array, level: float, up: float) -> float:
     # What disturbed a moment ago is still near.
     state[at.DEVIATION] = max(released, min(0.5 * (stretched**2 + dipped**2), norm**2))
     return state[at.DEVIATION]
-
-
-@kernel
-def _learn(state: Array, params: Array, level: float, up: float, trust: float) -> None:
-    """The reference is the mean of a first while, and then slowly follows what is trusted."""
-    state[at.FIELD_TIME] += state[at.LENGTH]
-    if state[at.FIELD_TIME] < params[at.FIELD_MEMORY]:
-        trust = 1.0
-    k = trust * state[at.LENGTH] / min(state[at.FIELD_TIME], params[at.FIELD_MEMORY])
-    state[at.FIELD] += k * (level - state[at.FIELD])
-    state[at.FIELD + 1] += k * (up - state[at.FIELD + 1])
 
 
 @kernel

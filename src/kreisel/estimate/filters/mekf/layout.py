@@ -40,6 +40,7 @@ SPREAD = 55  # variance that D was last given
 STUCK = 56  # rad, rotation since the magnetometer last read anything new
 LATEST_MAG = 57  # 3
 CONTRARY = 60  # rad, mean of late by which trusted fields say that the heading is off
+# The memory of rest: these three in this order (see rest).
 REST_TIME = 61  # s, how long the sensor has been at rest
 STRETCH = 62  # 4: sums of gyro times dt and of dt over the current stretch of rest
 WAITING = 66  # 4: the stretch before, whose mean is believed once the current one is complete
@@ -71,6 +72,7 @@ NOTHING = -1.0  # in place of CHANGE_FORCE: nothing was known before this window
 
 # Sums over the current window, zero at its start.
 SUMS = LOG_END
+# The first six in this order for rest, and TURN before SUMMED for linearise.
 LENGTH = SUMS  # s
 GYRO_SUM = SUMS + 1  # 3: times dt
 GYRO_SQUARES = SUMS + 4

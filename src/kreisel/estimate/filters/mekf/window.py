@@ -2,11 +2,10 @@
 
 The specific force in N, summed, is a velocity. That of a body which stays about its place stays small, that of one
 which travels stays about the same in its own axes, while a tilt makes it run away by gravity times tilt. The field in
-N,
-averaged, gives the heading. Bias and scale follow from how these errors grow with time and with rotation.
+N, averaged, gives the heading. Bias and scale follow from how these errors grow with time and with rotation.
 """
 
-from kreisel.estimate.filters.dcm.window import turn_world
+from kreisel.estimate.filters.dcm.window import linearise, turn_world
 from kreisel.estimate.filters.mekf import layout as at
 from kreisel.estimate.filters.mekf.covariance import known_to, propagate
 from kreisel.estimate.filters.mekf.field import observe_field
@@ -14,7 +13,7 @@ from kreisel.estimate.filters.mekf.lost import begin_again, is_lost
 from kreisel.estimate.filters.mekf.rest import watch_rest
 from kreisel.estimate.filters.mekf.velocity import observe_velocity
 from kreisel.maths.kernels import kernel
-from kreisel.maths.vectors import Array, Vector, dot, load, scaled, store
+from kreisel.maths.vectors import Array, Vector, dot, load, scaled
 
 # The window is summed in this many parts where its effect on the attitude is linearised.
 _PARTS = 8.0
@@ -26,22 +25,7 @@ _ROUNDING = 5e-10
 @kernel
 def close_part(state: Array, params: Array) -> None:
     """Linearise a part of the window, and close the window with its last part."""
-    dt = state[at.LENGTH] - state[at.SUMMED]
-    turn = (
-        state[at.GYRO_SUM] - state[at.SUMMED + 1],
-        state[at.GYRO_SUM + 1] - state[at.SUMMED + 2],
-        state[at.GYRO_SUM + 2] - state[at.SUMMED + 3],
-    )
-    for i in range(3):
-        row = at.TURN + at.CONSTANTS * i
-        for j in range(3):
-            r = state[at.R_NS + 3 * i + j]
-            state[row + j] -= r * dt
-            state[row + 3 + j] -= r * turn[0]
-            state[row + 6 + j] -= r * turn[1]
-            state[row + 9 + j] -= r * turn[2]
-    state[at.SUMMED] = state[at.LENGTH]
-    store(state, at.SUMMED + 1, load(state, at.GYRO_SUM))
+    linearise(state, at.LENGTH, at.TURN)
     if state[at.LENGTH] >= params[at.WINDOW] - _ROUNDING:
         _close_window(state, params)
     next_part = state[at.LENGTH] + params[at.WINDOW] / _PARTS
