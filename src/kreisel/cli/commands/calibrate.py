@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from kreisel.atomic import is_standard_output
 from kreisel.cli.inputs import add_input_arguments, read_input
 from kreisel.cli.notes import note
 from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
@@ -48,7 +49,7 @@ def configure(parser: ArgumentParser) -> None:
         "--output",
         required=True,
         metavar="OUT",
-        help="calibration file (.toml), or with --apply the recording",
+        help="calibration file (.toml), with a picture beside it; or with --apply the recording",
     )
     for name, text in zip(_SENSORS, ("gyroscope", "accelerometer", "magnetometer"), strict=True):
         parser.add_argument(f"--{name}", action="store_true", help=f"calibrate the {text}")
@@ -86,10 +87,13 @@ def run(args: Namespace) -> int:
     from kreisel.files.calibrations import write_calibration
 
     if args.dry_run:
-        return tell_plan(args, {args.input: described(recording)}, [args.output])
+        pictured = args.accel or args.mag or not args.gyro
+        writes = [args.output, *([_picture(args)] if pictured else [])]
+        return tell_plan(args, {args.input: described(recording)}, writes)
     found = _calibrated(args, recording)
     calibration = Calibration(**{name: part.triad for name, part in found.items()})
     write_calibration(args.output, calibration)
+    drawn = _draw(args, recording, calibration)
     if args.json:
         print_json(_report(args, found))
         return 0
@@ -98,6 +102,8 @@ def run(args: Namespace) -> int:
         f"{args.output}: the calibration; kreisel calibrate FILE --apply {args.output} takes it off a recording, "
         f"kreisel simulate POSES --imu {args.output} simulates a sensor with these errors"
     )
+    if drawn:
+        print(f"{_picture(args)}: the readings before and after")
     return 0
 
 
@@ -126,6 +132,21 @@ def _apply(args: Namespace, recording: ImuRecording) -> int:
     else:
         print(f"{args.output}: {len(better)} samples, calibrated")
     return 0
+
+
+def _picture(args: Namespace) -> Path:
+    return Path(args.output).with_suffix(".png")
+
+
+def _draw(args: Namespace, recording: ImuRecording, calibration: Calibration) -> bool:
+    """Whether there was anything to draw: of a gyro's bias there is not."""
+    from kreisel import show
+
+    if is_standard_output(args.output) or (calibration.accel is None and calibration.mag is None):
+        return False
+    gravity = STANDARD_GRAVITY if args.gravity is None else args.gravity
+    show.save(show.plot_calibration(recording, calibration, gravity), _picture(args))
+    return True
 
 
 class _Found(NamedTuple):
