@@ -30,6 +30,7 @@ examples:
   kreisel allan rest.csv
   kreisel allan rest.csv --sensor gyro -o noise/
   kreisel allan 'rest/*.csv' -o noise/            each in a folder of its own
+  kreisel allan rest.csv --sensor all             the magnetometer too
   kreisel allan log.csv --column t='Time [ms]' --json
   kreisel allan rest.csv --start 1800           without the half hour of warming up
 
@@ -40,13 +41,21 @@ one-sided, sqrt(2) N. preset.toml in the folder is the same noise as a simulated
 """
 
 _NAMES = {"N": "white noise N", "B": "bias instability B", "K": "random walk K"}
-_SENSORS = {"gyro": ("gyro",), "accel": ("accel",), "both": ("gyro", "accel")}
+_SENSORS = {
+    "gyro": ("gyro",),
+    "accel": ("accel",),
+    "mag": ("mag",),
+    "both": ("gyro", "accel"),
+    "all": ("gyro", "accel", "mag"),
+}
 
 
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     add_input_arguments(parser, many=True)
-    parser.add_argument("--sensor", choices=tuple(_SENSORS), default="both", help="which (default: both)")
+    parser.add_argument(
+        "--sensor", choices=tuple(_SENSORS), default="both", help="which; both is gyro and accel (default)"
+    )
     parser.add_argument(
         "-o", "--output", metavar="FOLDER", help="folder for pictures, allan.json and preset.toml"
     )
@@ -206,5 +215,6 @@ def _preset(fits: list[AllanFit], path: str) -> str:
     from kreisel.simulate.presets import text_of
 
     noise = {fit.sensor: fit.noise for fit in fits}
-    gyro, accel = (noise.get(sensor, NoiseModel()) for sensor in _SENSORS["both"])
-    return text_of(gyro, accel, fits[0].name or Path(path).stem, f"Allan deviation of {Path(path).name}")
+    gyro, accel, mag = (noise.get(sensor, NoiseModel()) for sensor in _SENSORS["all"])
+    part, source = fits[0].name or Path(path).stem, f"Allan deviation of {Path(path).name}"
+    return text_of(gyro, accel, part, source, mag)
