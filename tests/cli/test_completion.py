@@ -64,7 +64,7 @@ def test_bash_offers_the_options_of_each_command(offered) -> None:
 
 
 def test_bash_offers_choices_names_and_files(offered) -> None:
-    assert offered("allan", "--sensor", "") == ["gyro", "accel", "both"]
+    assert offered("allan", "--sensor", "") == ["gyro", "accel", "mag", "both", "all"]
     assert offered("estimate", "--frame", "n") == ["ned-frd", "nwu"]
     assert offered("estimate", "--frame", "=") == ["enu-flu", "ned-frd", "nwu", "ros", "matlab"]
     assert offered("estimate", "--frame", "=", "ro") == ["ros"]
