@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from kreisel.data.checks import Array, increasing, shaped
+import numpy as np
+
+from kreisel.data.checks import Array, increasing, read_only, shaped
+from kreisel.data.recording import ImuRecording
+from kreisel.data.tables import Tabular
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ImuIncrements:
+class ImuIncrements(Tabular):
     """Compensated increments in sensor axes S: row k spans t[k] to t[k + 1]. A NaN row is a missing interval.
 
     Coning and sculling are in them: dtheta = Log(R_k^T R_k+1) and dv = R_k^T (v_k+1 - v_k - g dt) bring
@@ -37,3 +41,17 @@ class ImuIncrements:
 
     def __len__(self) -> int:
         return len(self.dtheta)
+
+    def mean_rates(self) -> ImuRecording:
+        """Mean rate dtheta / dt and mean specific force dv / dt of every interval, stamped at its end.
+
+        What pictures, Allan deviations and filters take; coning and sculling of the interval stay in them as means.
+        """
+        dt = np.diff(self.t)[:, None]
+        return ImuRecording(
+            t=read_only(self.t[1:]),
+            gyro=read_only(self.dtheta / dt),
+            accel=read_only(self.dv / dt),
+            t0_ns=self.t0_ns,
+            name=self.name,
+        )

@@ -16,8 +16,10 @@ import numpy.typing as npt
 
 from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.checks import Array, choice, radians, unit_quaternions
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Note
 from kreisel.data.recording import ImuRecording
+from kreisel.data.tables import INCREMENTS
 from kreisel.data.trajectory import Poses
 from kreisel.files.formats import Noun, ReadOptions
 from kreisel.maths.rotations import matrix_from_euler, matrix_from_quat_wxyz
@@ -25,7 +27,7 @@ from kreisel.maths.rotations import matrix_from_euler, matrix_from_quat_wxyz
 SCHEMA = "kreisel_schema"
 VERSION = 1
 NOUNS: dict[str, type[Noun]] = {
-    noun.__name__: noun for noun in (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
+    noun.__name__: noun for noun in (Poses, Motion, ImuRecording, ImuIncrements, AttitudeHistory, Reference)
 }
 
 # What others call our arrays, in the order of preference. s and phi are the names of the source
@@ -41,9 +43,13 @@ FOREIGN: dict[str, tuple[str, ...]] = {
     "gyro": ("gyro", "gyr", "imu_gyr"),
     "accel": ("accel", "acc", "imu_acc"),
     "mag_uT": ("mag_uT", "mag", "imu_mag"),
+    "dtheta": ("dtheta", "delta_theta", "dtheta_rad"),
+    "dv": ("dv", "delta_v", "dv_m_s"),
+    "dp": ("dp",),
     "rate_hz": ("rate_hz", "sampling_rate", "fs", "Fs"),
 }
 _WIDTHS = {"p_NB": 3, "phi": 3, "v_NB": 3, "gyro": 3, "accel": 3, "mag_uT": 3, "quat_wxyz": 4}
+_WIDTHS |= dict.fromkeys(INCREMENTS, 3)
 
 
 def to_arrays(data: Noun) -> dict[str, npt.NDArray[Any]]:

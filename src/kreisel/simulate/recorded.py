@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Generic, TypeVar
 
 from kreisel.data.checks import Array
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.recording import ImuRecording
+
+Delivered = TypeVar("Delivered", ImuRecording, ImuIncrements)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Recorded:
-    """A recording and its truth, row by row; NaN where a sensor gave no sample."""
+class Recorded(Generic[Delivered]):
+    """A recording, of rates or of increments, and its truth, row by row; NaN where a sensor gave no sample."""
 
-    measured: ImuRecording
-    ideal: ImuRecording
-    gyro_bias: Array  # (n, 3) rad/s, sum of the errors that are biases
+    measured: Delivered
+    ideal: Delivered
+    gyro_bias: Array  # (n, 3) rad/s, sum of the errors that are biases; of increments the mean over each interval
     accel_bias: Array  # (n, 3) m/s^2
     seed: int  # with which the same IMU records the same bits again
     run: int
@@ -26,6 +30,8 @@ class Recorded:
 
     def errors(self, sensor: str) -> dict[str, Array]:
         """What each effect of `sensor` ("gyro", "accel" or "mag_uT") added, by its name: (n, 3), sensor's unit.
+
+        Of increments the sensors go by "dtheta" and "dv", and what is added is in rad and m/s.
 
         Made when asked for, by going through the recording again, which gives the same bits: kept for all
         effects they would take more memory, and more time to fill it, than all the rest.

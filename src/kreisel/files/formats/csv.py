@@ -11,6 +11,7 @@ import numpy as np
 
 from kreisel.data.attitude import AttitudeHistory, Mask, Reference
 from kreisel.data.checks import Array, radians
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
@@ -38,7 +39,7 @@ from kreisel.maths.rotations import (
 )
 
 SUFFIX = ".csv"
-HOLDS = (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
+HOLDS = (Poses, Motion, ImuRecording, ImuIncrements, AttitudeHistory, Reference)
 OPTIONS = frozenset({"columns", "rate_hz"})
 KEEPS = "every bit of every number, epoch stamps to the nanosecond; attitude as a quaternion, to 1e-15"
 
