@@ -33,10 +33,16 @@ class ImuIncrements(Tabular):
         put(self, "t", increasing("t", shaped("t", self.t, ("n",))))
         if not len(self.t):
             raise ValueError("t must hold both ends of every interval, one stamp more than rows; got none.")
-        put(self, "dtheta", shaped("dtheta", self.dtheta, (len(self.t) - 1, 3)))
-        put(self, "dv", shaped("dv", self.dv, (len(self.t) - 1, 3)))
-        if self.dp is not None:
-            put(self, "dp", shaped("dp", self.dp, (len(self.t) - 1, 3)))
+        for name in ("dtheta", "dv", "dp"):
+            rows = getattr(self, name)
+            if rows is None and name == "dp":
+                continue
+            if np.shape(rows) == (len(self.t), 3):
+                raise ValueError(
+                    f"{name} must have one row fewer than t has stamps, which are both ends of every interval; got "
+                    f"{len(rows)} rows for {len(self.t)} stamps. Put the stamp at which the first interval begins before t."
+                )
+            put(self, name, shaped(name, rows, (len(self.t) - 1, 3)))
         put(self, "t0_ns", int(self.t0_ns))
 
     def __len__(self) -> int:

@@ -28,7 +28,13 @@ _ARC_SECOND = Scale(math.pi, 648_000.0)
 UNITS: dict[str, dict[str, Scale]] = {
     "time": {"s": Scale(), "ms": Scale(1, 1e3), "us": Scale(1, 1e6), "ns": Scale(1, 1e9)},
     "length": {"m": Scale(), "mm": Scale(1, 1e3), "cm": Scale(1, 1e2), "km": Scale(1e3)},
-    "angle": {"rad": Scale(), "deg": _DEGREE, "mrad": Scale(1, 1e3), "urad": Scale(1, 1e6), "arcsec": _ARC_SECOND},
+    "angle": {
+        "rad": Scale(),
+        "deg": _DEGREE,
+        "mrad": Scale(1, 1e3),
+        "urad": Scale(1, 1e6),
+        "arcsec": _ARC_SECOND,
+    },
     "speed": {"m/s": Scale(), "mm/s": Scale(1, 1e3), "cm/s": Scale(1, 1e2), "km/h": Scale(1, 3.6)},
     "acceleration": {
         "m/s^2": Scale(),
@@ -55,6 +61,7 @@ _OTHER_SPELLINGS = {
     "dps": "deg/s",
     "mdps": "mdeg/s",
     "microtesla": "uT",
+    "arcs": "arcsec",
     "G": "gauss",
     "Gs": "gauss",
     "mG": "mgauss",

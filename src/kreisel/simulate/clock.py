@@ -133,7 +133,9 @@ def count(rows: Rows) -> int:
 
 def part(rows: Rows, block: slice) -> Rows:
     """Those of `rows` that a block of them, counted from their first, holds."""
-    return slice(rows.start + block.start, rows.start + block.stop) if isinstance(rows, slice) else rows[block]
+    return (
+        slice(rows.start + block.start, rows.start + block.stop) if isinstance(rows, slice) else rows[block]
+    )
 
 
 def spread(x: Array, rows: Rows, n: int) -> Array:

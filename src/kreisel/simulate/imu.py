@@ -321,7 +321,9 @@ class Imu:
     def _felt(self, sensor: str, motion: Motion, ideal: ImuRecording | ImuIncrements) -> Felt:
         if isinstance(ideal, ImuIncrements):
             means, ends = ideal.mean_rates(), slice(1, len(motion))
-            return Felt(getattr(means, sensor), ends, read_only(np.diff(motion.t)), means.accel, averaged=True)
+            return Felt(
+                getattr(means, sensor), ends, read_only(np.diff(motion.t)), means.accel, averaged=True
+            )
         _, sampling = self._parts(sensor)
         rows = sampling.rows(motion.t)
         reading = sampling.collect(motion.t, getattr(ideal, sensor), rows)

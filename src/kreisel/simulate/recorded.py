@@ -19,7 +19,9 @@ class Recorded(Generic[Delivered]):
 
     measured: Delivered
     ideal: Delivered
-    gyro_bias: Array  # (n, 3) rad/s, sum of the errors that are biases; of increments the mean over each interval
+    gyro_bias: (
+        Array  # (n, 3) rad/s, sum of the errors that are biases; of increments the mean over each interval
+    )
     accel_bias: Array  # (n, 3) m/s^2
     seed: int  # with which the same IMU records the same bits again
     run: int

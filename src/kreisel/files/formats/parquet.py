@@ -112,4 +112,6 @@ def _theirs(path: Path, columns: dict[str, Any], options: ReadOptions) -> dict[s
                 found[part].scale(np.asarray(columns[headers[found[part].index]], float)) for part in parts
             ]
             box[name] = values[0] if name == "t" else np.column_stack(values)
+            if name in INCREMENTS and np.isnan(box[name][:1]).all():
+                box[name] = box[name][1:]
     return box
