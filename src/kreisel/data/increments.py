@@ -40,7 +40,7 @@ class ImuIncrements(Tabular):
             if np.shape(rows) == (len(self.t), 3):
                 raise ValueError(
                     f"{name} must have one row fewer than t has stamps, which are both ends of every interval; got "
-                    f"{len(rows)} rows for {len(self.t)} stamps. Put the stamp at which the first interval begins before t."
+                    f"{len(rows)} rows for {len(self.t)} stamps. Put the stamp where the first interval begins first."
                 )
             put(self, name, shaped(name, rows, (len(self.t) - 1, 3)))
         put(self, "t0_ns", int(self.t0_ns))

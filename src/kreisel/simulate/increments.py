@@ -1,4 +1,4 @@
-"""Turns the motion of a sensor into what a perfect unit adds up, and mean rates with errors into what a real one does."""
+"""Turns the motion of a sensor into what a perfect unit adds up, and sensed mean rates into what a real one does."""
 
 from __future__ import annotations
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from kreisel.data.environment import Environment
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.simulate.imu import Imu
@@ -63,8 +64,17 @@ def errs(imu: Imu) -> bool:
 
 def record_all(
     imus: Sequence[Imu], motion: Motion, seed: int
-) -> tuple[tuple[ImuRecording, ...], tuple[Recorded, ...]]:
+) -> tuple[tuple[ImuRecording, ...], tuple[Recorded[ImuRecording], ...]]:
     """What each IMU read, and of those that err what is known of it; a perfect one in peace needs no draw."""
     known = {id(imu): imu.record(motion, seed) for imu in imus if errs(imu)}
     readings = tuple(known[id(imu)].measured if id(imu) in known else imu.ideal(motion) for imu in imus)
     return readings, tuple(known.values())
+
+
+def add_up_all(
+    imus: Sequence[Imu], motion: Motion, seed: int
+) -> tuple[tuple[ImuIncrements, ...], tuple[Recorded[ImuIncrements], ...]]:
+    """The same for units that add up inside."""
+    known = {id(imu): imu.record_increments(motion, seed) for imu in imus if errs(imu)}
+    sums = tuple(known[id(imu)].measured if id(imu) in known else imu.increments(motion) for imu in imus)
+    return sums, tuple(known.values())

@@ -32,6 +32,7 @@ from kreisel.cli.surroundings import (
 from kreisel.data.checks import choice, file_name
 from kreisel.data.environment import Environment
 from kreisel.data.frames import WORLDS, to_enu_flu
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.files.doors import format_names
@@ -46,6 +47,7 @@ examples:
   kreisel simulate poses.csv -o out/
   kreisel simulate poses.tum -o out/ --rate 400 --imu wrist:0.02,0,0.05
   kreisel simulate poses.csv -o out/ --imu bmi088 --seed 7
+  kreisel simulate poses.csv -o out/ --imu adis16495 --seed 7 --increments
   kreisel simulate poses.csv -o out/ --sensor bmi088 --imu left:0,0.1,0 --imu right:0,-0.1,0
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
   kreisel simulate mocap.csv -o out/ --noise 0.1mm,0.01deg --max-gap 0.5
@@ -90,12 +92,19 @@ def configure(parser: ArgumentParser) -> None:
         help="tangent or transport, in place of the file's attitude; of waypoints and profiles tangent or level",
     )
     add_course_arguments(parser)
+    parser.add_argument(
+        "--increments",
+        action="store_true",
+        help="what navigation-grade units deliver: turn, velocity and, without errors, position of every interval "
+        "between the samples, in place of rates",
+    )
     parser.add_argument("--to-frame", default="enu-flu", help=f"world of the output: {', '.join(WORLDS)}")
     parser.add_argument(
         "--imu-format",
         default="csv",
         metavar="FORMAT",
-        help=f"{', '.join(format_names(ImuRecording))} (default: csv)",
+        help=f"{', '.join(format_names(ImuRecording))} (default: csv); "
+        f"with --increments {', '.join(format_names(ImuIncrements))}",
     )
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.add_argument("--animation", action="store_true", help="also write motion.gif")
@@ -111,12 +120,16 @@ def configure(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Read, differentiate, mount, write."""
-    from kreisel.study.sensor import errs, record_all, sensor_imu
+    from kreisel.study.sensor import add_up_all, errs, record_all, sensor_imu
 
     started = time.perf_counter()
     choice("--to-frame", args.to_frame, tuple(WORLDS))
     choice("--frame", args.frame, tuple(WORLDS))
-    choice("--imu-format", args.imu_format, format_names(ImuRecording))
+    choice("--imu-format", args.imu_format, format_names(ImuIncrements if args.increments else ImuRecording))
+    if args.increments and args.date is not None:
+        raise ValueError(
+            "--date gives the IMUs magnetometers, which have no increments. Leave one of them out."
+        )
     if args.seed < 0:
         raise ValueError(f"--seed must be a whole number, 0 or more; got {args.seed}.")
     given = [parse_imu(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
@@ -128,6 +141,7 @@ def run(args: Namespace) -> int:
         [mount.name for mount in mounts],
         erring=[imu.mount.name for imu in imus if errs(imu)],
         magnetometer=environment.field_N_uT is not None,
+        increments=args.increments,
         world=args.to_frame,
         imu_format=args.imu_format,
         pictures=not args.no_pictures,
@@ -136,11 +150,13 @@ def run(args: Namespace) -> int:
     )
     check_outputs(args.output, outputs)
     motion, held = read_course(args)
-    made = Simulation(motion, mounts, *record_all(imus, motion, args.seed))
+    read = add_up_all if args.increments else record_all
+    made = Simulation(motion, mounts, *read(imus, motion, args.seed))
     lines = write_outputs(args.output, outputs, made)
     told = ", ".join(dict.fromkeys(sensor or "ideal sensor" for sensor in sensors))
     told += f", seed {args.seed}" if made.recorded else ""
-    print(f"{args.input}: {held} -> {len(motion)} IMU samples, {told}")
+    what = "increments" if args.increments else "samples"
+    print(f"{args.input}: {held} -> {len(made.recordings[0])} IMU {what}, {told}")
     if args.place is not None:
         print(f"  {_described(environment)}")
     print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
@@ -157,7 +173,8 @@ def _round_trips(imus: Sequence[Imu], motion: Motion, made: Simulation) -> list[
 
     lines: list[str] = []
     for imu, measured in zip(imus, made.recordings, strict=True):
-        lines += describe_round_trip(imu, motion, measured if errs(imu) else None)
+        shown = errs(imu) or isinstance(measured, ImuIncrements)
+        lines += describe_round_trip(imu, motion, measured if shown else None)
     return lines
 
 
