@@ -131,7 +131,9 @@ def test_allan_deviation_of_the_mean_rates_has_n_and_k(rng: np.random.Generator)
     N, K = 1e-3, 3e-4
     effects = [WhiteNoise(N), BiasRandomWalk(K)]
     motion = rest().sample(np.arange(60_001) / 50.0)
-    measured = Imu(gyro_effects=effects, accel_effects=effects).record_increments(motion, seed_of(rng)).measured
+    measured = (
+        Imu(gyro_effects=effects, accel_effects=effects).record_increments(motion, seed_of(rng)).measured
+    )
     for sensor in ("gyro", "accel"):
         fit = allan(measured.mean_rates(), sensor)
         for term, expected in ((fit.N, N), (fit.K, K)):
@@ -144,14 +146,20 @@ def test_angle_random_walk_is_in_the_attitude(rng: np.random.Generator) -> None:
     N, seconds, seed = 5e-4, 20.0, seed_of(rng)
     motion = rest(phi=(0.1, -0.2, 0.7)).sample(np.arange(401) / 20.0)
     imu = Imu(gyro_effects=[WhiteNoise(N)])
-    ends = [integrate(imu.record_increments(motion, seed, run).measured, motion).R_NB[-1] for run in range(64)]
+    ends = [
+        integrate(imu.record_increments(motion, seed, run).measured, motion).R_NB[-1] for run in range(64)
+    ]
     walked = log_so3(np.stack(ends) @ motion.R_NB[-1].T)
     # 192 angles: 5 % standard deviation of theirs; four of them.
     np.testing.assert_allclose(np.sqrt(np.mean(walked**2)), N * np.sqrt(seconds), rtol=0.2)
 
 
-@pytest.mark.parametrize(("cycles", "left"), [(1.0, 0.0), (2.0, 0.0), (0.5, 2.0 / np.pi), (1.5, 2.0 / (3.0 * np.pi))])
-def test_vibration_is_averaged_over_the_interval(cycles: float, left: float, rng: np.random.Generator) -> None:
+@pytest.mark.parametrize(
+    ("cycles", "left"), [(1.0, 0.0), (2.0, 0.0), (0.5, 2.0 / np.pi), (1.5, 2.0 / (3.0 * np.pi))]
+)
+def test_vibration_is_averaged_over_the_interval(
+    cycles: float, left: float, rng: np.random.Generator
+) -> None:
     """`cycles` in an interval: whole ones leave nothing, where a sampled sensor sees a constant."""
     rate, amplitude = 100.0, 0.5
     lines = VibrationLines([cycles * rate], [[amplitude] * 3])
@@ -187,7 +195,11 @@ def test_pulses_lose_nothing_where_rounded_rates_walk_away(rng: np.random.Genera
 def test_quantisation_noise_falls_with_the_averaging_time() -> None:
     """sqrt(3) Q / tau with Q = step / sqrt(12), as IEEE 952 has it."""
     step, rate = 1e-5, 200.0
-    error = Imu(gyro_effects=[IncrementQuantisation(step)]).record(MOTION, 1).errors("gyro")["increment_quantisation"]
+    error = (
+        Imu(gyro_effects=[IncrementQuantisation(step)])
+        .record(MOTION, 1)
+        .errors("gyro")["increment_quantisation"]
+    )
     angle = np.concatenate([np.zeros((1, 3)), np.cumsum(error, axis=0)]) / rate
     for m in (4, 16, 64):
         second = angle[2 * m :] - 2.0 * angle[m:-m] + angle[: -2 * m]
@@ -225,7 +237,9 @@ def test_a_magnetometer_adds_nothing_up(rng: np.random.Generator) -> None:
     field = Environment(field_N_uT=[1.0, 20.0, -44.0])
     listening = Imu(**BOTH, mag_effects=[WhiteNoise(0.1)], environment=field, clock=Clock(mag=Sampling(20.0)))
     seed = seed_of(rng)
-    assert bits(listening.record_increments(MOTION, seed)) == bits(Imu(**BOTH).record_increments(MOTION, seed))
+    assert bits(listening.record_increments(MOTION, seed)) == bits(
+        Imu(**BOTH).record_increments(MOTION, seed)
+    )
 
 
 @pytest.mark.parametrize("sensor", ["gyro", "accel"])
@@ -241,7 +255,11 @@ def test_what_no_increments_can_have_is_refused(sensor: str) -> None:
         (lambda: Imu().record_increments(MOTION.rows(slice(0, 1)), 1), ValueError, "two samples or more"),
         (lambda: Imu().record_increments(MOTION, 1, run=-1), ValueError, "run must be a whole number"),
         (lambda: Imu().record_increments(MOTION, None), TypeError, "rng must be a seed"),
-        (lambda: Imu().record_increments(MOTION, 1).errors("gyro"), ValueError, "one of 'dtheta', 'dv'; got 'gyro'"),
+        (
+            lambda: Imu().record_increments(MOTION, 1).errors("gyro"),
+            ValueError,
+            "one of 'dtheta', 'dv'; got 'gyro'",
+        ),
         (lambda: IncrementQuantisation(-1.0), ValueError, "step must be"),
     ],
 )
