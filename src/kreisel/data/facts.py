@@ -75,9 +75,8 @@ def facts(data: Poses | Motion | ImuRecording | ImuIncrements | AttitudeHistory 
         return Facts("ImuRecording", clock, _imu_contents(data), _imu_numbers(data), tuple(unit_doubts(data)))
     if isinstance(data, ImuIncrements):
         contents = ["turn", "velocity", *([] if data.dp is None else ["position"])]
-        means, doubts = data.mean_rates(), []
-        if len(data):
-            doubts = [f"divided by the time between rows, {doubt}" for doubt in unit_doubts(means)]
+        means = data.mean_rates()
+        doubts = unit_doubts(means) if len(data) else []
         return Facts("ImuIncrements", clock, tuple(contents), _sum_numbers(means), tuple(doubts))
     contents = ["position"]
     contents += ["attitude"] if data.R_NB is not None else []

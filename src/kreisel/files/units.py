@@ -35,7 +35,13 @@ UNITS: dict[str, dict[str, Scale]] = {
         "urad": Scale(1, 1e6),
         "arcsec": _ARC_SECOND,
     },
-    "speed": {"m/s": Scale(), "mm/s": Scale(1, 1e3), "cm/s": Scale(1, 1e2), "km/h": Scale(1, 3.6)},
+    "speed": {
+        "m/s": Scale(),
+        "mm/s": Scale(1, 1e3),
+        "cm/s": Scale(1, 1e2),
+        "km/h": Scale(1, 3.6),
+        "g*s": Scale(STANDARD_GRAVITY),
+    },
     "acceleration": {
         "m/s^2": Scale(),
         "g": Scale(STANDARD_GRAVITY),
@@ -62,6 +68,7 @@ _OTHER_SPELLINGS = {
     "mdps": "mdeg/s",
     "microtesla": "uT",
     "arcs": "arcsec",
+    "gs": "g*s",
     "G": "gauss",
     "Gs": "gauss",
     "mG": "mgauss",

@@ -107,9 +107,10 @@ def _recording(args: Namespace) -> ImuRecording | ImuIncrements:
             f"{args.input} holds {type(data).__name__}, not an IMU's rates or increments. "
             "Say --kind imu or --kind increments if it has both."
         )
-    means = data.mean_rates() if isinstance(data, ImuIncrements) else data
-    if len(means):
-        check_units(means, args.input, args.trust_units)
+    if isinstance(data, ImuRecording):
+        check_units(data, args.input, args.trust_units)
+    elif len(data):
+        check_units(data.mean_rates(), args.input, args.trust_units, unit="dv_x='dv_x [g*s]'")
     return data
 
 

@@ -276,7 +276,7 @@ def _increments(file: TextFile, t: Array, t0_ns: int, columns: Mapping[str, Arra
         raise file.error(
             0,
             "the first row is where the first interval begins, and has no increments yet: put a row with that stamp "
-            "and nothing else, such as 0.0,,,,,,, before yours.",
+            "and empty fields before yours.",
             "dtheta_x",
         )
     rows = {name: values[1:] for name, values in columns.items()}
