@@ -171,7 +171,7 @@ def simulation_outputs(
         *(Output(f"{name}-errors.npz", f"{what} {name}", errors(k)) for k, name in enumerate(erring)),
         Output("truth.tum", "position and attitude of the body, as evo and others read it", truth),
         Output("truth.npz", "the whole motion, for numpy.load", truth),
-        *(_pictures(imus) if pictures else ()),
+        *(_pictures(imus, increments) if pictures else ()),
         *(
             [Output("motion.gif", "the body moving along its path, and what it feels", _film)]
             if animation
@@ -192,7 +192,7 @@ def picture(name: str, what: str, draw: Callable[[Made], Any]) -> Output[Made]:
     return Output(name, what, save)
 
 
-def _pictures(imus: Sequence[str]) -> Iterator[Output[Simulated]]:
+def _pictures(imus: Sequence[str], increments: bool) -> Iterator[Output[Simulated]]:
     from kreisel import show
 
     yield picture(
@@ -209,7 +209,8 @@ def _pictures(imus: Sequence[str]) -> Iterator[Output[Simulated]]:
         return lambda made: show.plot_imu(_rates(made.recordings[k]))
 
     for k, name in enumerate(imus):
-        yield picture(f"{name}.png", f"what {name} reads", imu(k))
+        text = f"mean rate and force in the intervals of {name}" if increments else f"what {name} reads"
+        yield picture(f"{name}.png", text, imu(k))
 
 
 def _rates(read: ImuRecording | ImuIncrements) -> ImuRecording:

@@ -37,9 +37,9 @@ examples:
   kreisel integrate out/wrist.csv --truth out/truth.npz --imu 0.02,0,0.05
   kreisel integrate imu.npz --truth truth.npz --place 48.14,11.58,520 --turning --json
 
-There is no filter in it and nothing that holds the errors: a bias of the gyroscope is in the attitude after a second,
-in the position with its third power of time. Attitude with bounded errors: kreisel estimate. The motion is that of
-the sensor, in its axes. Files of truth are read in the world of the input (--frame).
+No filter holds the errors: a bias of the gyroscope grows into the position with the third power of time, one of the
+accelerometer with the second. Attitude that does not drift away: kreisel estimate. The motion is that of the sensor, in
+its axes; --initial and --truth are in the world of the input (--frame).
 """
 
 # s; of these spans the table has the ones that are over.
