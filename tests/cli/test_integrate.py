@@ -154,24 +154,28 @@ def test_the_screen(made, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("command", "message"),
+    ("command", "code", "message"),
     [
-        ([], "integration has to begin somewhere: give --initial"),
-        (["--initial", "0,0"], r"--initial takes a file or X,Y,Z"),
-        (["--initial", "0,0,0:0,0,90:nan,0,0"], r"--initial takes a file or X,Y,Z"),
-        (["--initial", "truth.np"], "no such file"),
-        (["--initial", "{folder}/poses.csv"], "holds Poses, where a whole motion is needed"),
-        (["--truth", "{folder}/ideal/arm.csv"], "holds ImuIncrements, where a whole motion is needed"),
-        (["--truth", "{folder}/ideal/truth.npz", "-o", "{folder}/ideal/truth.npz"], "is one of the inputs"),
-        (["--truth", "{folder}/ideal/truth.npz", "-o", "m.euroc"], "cannot tell the format"),
-        (["--initial", "0,0,0", "--to", "euroc-imu"], "--to must be one of"),
-        (["--initial", "0,0,0", "--to-frame", "ned"], "ned-frd"),
-        (["--initial", "0,0,0", "--turning"], "--turning says nothing without a place"),
+        ([], 2, "integration has to begin somewhere: give --initial"),
+        (["--initial", "0,0"], 2, r"--initial takes a file or X,Y,Z"),
+        (["--initial", "0,0,0:0,0,90:nan,0,0"], 2, r"--initial takes a file or X,Y,Z"),
+        (["--initial", "truth.np"], 1, "no such file"),
+        (["--initial", "{folder}/poses.csv"], 1, "holds Poses, where a whole motion is needed"),
+        (["--truth", "{folder}/ideal/arm.csv"], 1, "holds ImuIncrements, where a whole motion is needed"),
+        (
+            ["--truth", "{folder}/ideal/truth.npz", "-o", "{folder}/ideal/truth.npz"],
+            2,
+            "is one of the inputs",
+        ),
+        (["--truth", "{folder}/ideal/truth.npz", "-o", "m.euroc"], 2, "cannot tell the format"),
+        (["--initial", "0,0,0", "--to", "euroc-imu"], 2, "--to must be one of"),
+        (["--initial", "0,0,0", "--to-frame", "ned"], 2, "ned-frd"),
+        (["--initial", "0,0,0", "--turning"], 2, "--turning says nothing without a place"),
     ],
 )
-def test_what_cannot_be_integrated_is_one_sentence(made, command, message, capsys):
+def test_what_cannot_be_integrated_is_one_sentence(made, command, code, message, capsys):
     given = [word.format(folder=made) for word in command]
-    assert main(["integrate", str(made / "ideal" / "arm.csv"), *given]) == 1
+    assert main(["integrate", str(made / "ideal" / "arm.csv"), *given]) == code
     error = capsys.readouterr().err
     assert message in error
     assert error.count("\n") == 1
@@ -217,7 +221,7 @@ def test_a_lost_interval_is_named(made, tmp_path, capsys):
 )
 def test_what_no_increments_can_have(made, options, message, tmp_path, capsys):
     command = ["simulate", str(made / "poses.csv"), "-o", str(tmp_path / "no"), "--increments", *options]
-    assert main(command) == 1
+    assert main(command) == 2
     assert message in capsys.readouterr().err
     assert not (tmp_path / "no").exists()
 

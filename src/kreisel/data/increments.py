@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kreisel.data.cards import Card, course, span
 from kreisel.data.checks import Array, increasing, read_only, shaped
 from kreisel.data.recording import ImuRecording
 from kreisel.data.tables import Tabular
@@ -61,3 +62,9 @@ class ImuIncrements(Tabular):
             t0_ns=self.t0_ns,
             name=self.name,
         )
+
+    def card(self) -> Card:
+        """What the increments of each kind span."""
+        parts = (("dtheta", "rad", self.dtheta), ("dv", "m/s", self.dv), ("dp", "m", self.dp))
+        rows = [(name, unit, "S", span(x)) for name, unit, x in parts if x is not None]
+        return Card(course(self, self.t), ("", "unit", "frame", "span"), rows)

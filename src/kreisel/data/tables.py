@@ -11,11 +11,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.data.cards import Card, Shown, course, span
+
 if TYPE_CHECKING:
     import pandas
     import xarray
 
 AXES = ("x", "y", "z")
+
+_NOTES = 5
+"""Notes that a notebook shows below a table."""
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -71,10 +76,16 @@ INCREMENTS = ("dtheta", "dv", "dp")
 """Those of them with one row per interval, one fewer than there are stamps."""
 
 
-class Tabular:
+class Tabular(Shown):
     """What a noun of arrays over time gains: the tables others work with."""
 
     __slots__ = ()
+
+    def card(self) -> Card:
+        """One row per field: what it measures, in which unit and axes, and what it spans."""
+        t = self.t  # type: ignore[attr-defined]
+        notes = getattr(self, "notes", ())
+        return Card(course(self, t), ("", "unit", "frame", "span", "meaning"), _described(self), _said(notes))
 
     def to_pandas(self) -> pandas.DataFrame:
         """One row per time stamp, indexed by t in s; attitude as the quaternion q_w, q_x, q_y, q_z.
@@ -132,6 +143,21 @@ def arrays_of(data: Any) -> Iterator[tuple[str, npt.NDArray[Any]]]:
 def at_ends(name: str, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """`array` with one row per stamp: increments at the end of their interval, NaN at the first stamp."""
     return np.concatenate([np.full((1, 3), np.nan), array]) if name in INCREMENTS else array
+
+
+def _described(data: Any) -> Iterator[tuple[str, str, str, str, str]]:
+    for name, array in arrays_of(data):
+        quantity = QUANTITIES[name]
+        # Elements of a matrix of directions say nothing.
+        spanned = "" if array.ndim == 3 else span(array)
+        unit = "" if quantity.unit == "1" else quantity.unit
+        yield name, unit, quantity.frame, spanned, quantity.meaning
+
+
+def _said(notes: tuple[Any, ...]) -> tuple[str, ...]:
+    """The first notes, and how many there are beside them."""
+    texts = tuple(note.text for note in notes[:_NOTES])
+    return texts if len(notes) <= _NOTES else (*texts, f"and {len(notes) - _NOTES} more notes")
 
 
 def _about(data: Any) -> dict[str, Any]:

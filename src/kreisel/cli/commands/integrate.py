@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kreisel.cli.inputs import add_input_arguments, check_units, read_input
-from kreisel.cli.outputs import describe_notes, summary_stream, two_digits
+from kreisel.cli.inputs import add_input_arguments, check_units, read_input, world
+from kreisel.cli.outputs import check_format, describe_notes, summary_stream, two_digits
 from kreisel.cli.surroundings import add_place_arguments, environment_at
-from kreisel.data.checks import SAME_INSTANT, Array, choice
-from kreisel.data.frames import WORLDS, from_enu_flu, to_enu_flu
+from kreisel.cli.values import UsageError, as_typed, one_of
+from kreisel.data.checks import SAME_INSTANT, Array
+from kreisel.data.frames import from_enu_flu, to_enu_flu
 from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
@@ -67,9 +68,14 @@ def configure(parser: ArgumentParser) -> None:
     )
     add_place_arguments(parser, dated=False)
     parser.add_argument("-o", "--output", metavar="OUT", help="file to write; its suffix tells the format")
-    parser.add_argument("--to", metavar="FORMAT", help=", ".join(format_names(Motion)))
     parser.add_argument(
-        "--to-frame", metavar="WORLD", help="world of the output (default: that of the input)"
+        "--to",
+        metavar="FORMAT",
+        type=one_of(lambda: format_names(Motion)),
+        help=f"{', '.join(format_names(Motion))} (default: by OUT's suffix)",
+    )
+    parser.add_argument(
+        "--to-frame", metavar="WORLD", type=world, help="world of the output (default: that of the input)"
     )
     parser.add_argument(
         "--trust-units", action="store_true", help="integrate even where the numbers look like g or deg/s"
@@ -82,22 +88,37 @@ def run(args: Namespace) -> int:
     """Read, integrate, write, compare."""
     from kreisel.estimate.strapdown import integrate
 
-    world = choice("--to-frame", args.to_frame or args.frame, tuple(WORLDS))
-    if args.to is not None:
-        choice("--to", args.to, format_names(Motion))
-    environment = environment_at(args)
+    _check_options(args)
+    environment, mount = environment_at(args), _mount(args)
     recording = _recording(args)
-    truth = None if args.truth is None else _motion(args.truth, args)
-    motion = integrate(recording, _initial(args, truth), environment)
+    truth = None if args.truth is None else _motion(args.truth, args.frame, mount)
+    motion = integrate(recording, _initial(args, truth, mount), environment)
     drift = None if truth is None else _drift(args, truth, motion)
     if args.output is not None:
-        _refuse_input(args)
-        write(args.output, from_enu_flu(motion, world), args.to)
+        write(args.output, from_enu_flu(motion, args.to_frame or args.frame), args.to)
     if args.json:
         print(json.dumps(_report(args, recording, motion, drift), indent=2))
     else:
         print("\n".join(_told(args, recording, motion, drift)), file=summary_stream(args.output or ""))
     return 0
+
+
+def _check_options(args: Namespace) -> None:
+    """Refuse what cannot be, whatever the files hold."""
+    if args.initial is None and args.truth is None:
+        raise UsageError(
+            "integration has to begin somewhere: give --initial truth.npz, or a position, attitude and velocity as in "
+            "--initial 0,0,0:0,0,90:2,0,0, or a --truth to begin from."
+        )
+    named = args.initial is not None and ("," not in args.initial or Path(args.initial).exists())
+    if args.initial is not None and not named and _numbers(args.initial) is None:
+        raise UsageError(
+            "--initial takes a file or X,Y,Z[:RX,RY,RZ[:VX,VY,VZ]], such as 0,0,1.5:0,0,90:2,0,0; "
+            f"got {args.initial!r}."
+        )
+    if args.output is not None:
+        check_format(args.output, args.to)
+        _refuse_input(args)
 
 
 def _recording(args: Namespace) -> ImuRecording | ImuIncrements:
@@ -117,10 +138,11 @@ def _recording(args: Namespace) -> ImuRecording | ImuIncrements:
 def _mount(args: Namespace) -> Mount:
     from kreisel.cli.commands.simulate import parse_mount
 
-    return Mount() if args.imu is None else to_enu_flu(parse_mount(args.imu), args.frame)
+    with as_typed():
+        return Mount() if args.imu is None else to_enu_flu(parse_mount(args.imu), args.frame)
 
 
-def _motion(path: str, args: Namespace) -> Motion:
+def _motion(path: str, frame: str, mount: Mount) -> Motion:
     """The sensor's motion, from a file with the body's."""
     data = read(path)
     if not isinstance(data, Motion):
@@ -128,26 +150,15 @@ def _motion(path: str, args: Namespace) -> Motion:
             f"{path} holds {type(data).__name__}, where a whole motion is needed, with velocities and rates. "
             f"kreisel simulate makes one of poses: truth.npz in its folder."
         )
-    return to_enu_flu(data, args.frame).at(_mount(args))
+    return to_enu_flu(data, frame).at(mount)
 
 
-def _initial(args: Namespace, truth: Motion | None) -> Initial:
+def _initial(args: Namespace, truth: Motion | None, mount: Mount) -> Initial:
     if args.initial is None:
-        if truth is None:
-            raise ValueError(
-                "integration has to begin somewhere: give --initial truth.npz, or a position, attitude and velocity as "
-                "in --initial 0,0,0:0,0,90:2,0,0, or a --truth to begin from."
-            )
+        assert truth is not None  # one of them was asked for
         return truth
     numbers = _numbers(args.initial)
-    if numbers is None:
-        if not Path(args.initial).exists() and "," in args.initial:
-            raise ValueError(
-                "--initial takes a file or X,Y,Z[:RX,RY,RZ[:VX,VY,VZ]], such as 0,0,1.5:0,0,90:2,0,0; "
-                f"got {args.initial!r}."
-            )
-        return _motion(args.initial, args)
-    return _state(numbers, args.frame)
+    return _motion(args.initial, args.frame, mount) if numbers is None else _state(numbers, args.frame)
 
 
 def _numbers(text: str) -> list[Array] | None:
@@ -192,7 +203,7 @@ def _refuse_input(args: Namespace) -> None:
     output = Path(args.output)
     for given in (args.input, args.truth, args.initial):
         if given is not None and output.is_file() and Path(given).exists() and output.samefile(given):
-            raise ValueError(f"-o {output} is one of the inputs. Choose another name.")
+            raise UsageError(f"-o {output} is one of the inputs. Choose another name.")
 
 
 def _moments(drift: MotionErrors, first: float) -> list[tuple[str, float, Array]]:
