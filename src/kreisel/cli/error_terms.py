@@ -19,7 +19,7 @@ def write_error_terms(path: Path, recorded: Recorded, world: str) -> None:
 
     Its arrays: t; ideal_SENSOR and SENSOR_error_EFFECT (n, 3), where SENSOR is gyro, accel or mag_uT and EFFECT
     the name of an effect; gyro_bias and accel_bias, sums of the errors that are biases; disturbance_N_uT (n, 3),
-    what the world added to the magnetic field, in N, where it did; seed.
+    what the world added to the magnetic field, in N, where it did; temperature_degC (n,), where it was told; seed.
     """
     arrays: dict[str, Any] = {"t": recorded.ideal.t}
     errors = {
@@ -35,6 +35,8 @@ def write_error_terms(path: Path, recorded: Recorded, world: str) -> None:
         arrays |= {f"{sensor}_error_{effect}": x for sensor, x in _turned(recorded, terms, world).items()}
     if recorded.disturbance_N_uT is not None:
         arrays["disturbance_N_uT"] = WORLDS[world].nav.to_theirs(recorded.disturbance_N_uT)
+    if recorded.temperature_degC is not None:
+        arrays["temperature_degC"] = recorded.temperature_degC
     with replacing(path) as out:
         np.savez(out, allow_pickle=False, **arrays, seed=np.array(recorded.seed))
 

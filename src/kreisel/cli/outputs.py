@@ -245,18 +245,18 @@ def describe_round_trip(imu: Imu, motion: Motion, measured: ImuRecording | None 
     their position, integrated from velocity, shows whether the path and its derivative are one. `measured`, what the
     sensor read with its errors, shows how far it drifts without a filter.
     """
-    from kreisel.study.round_trip import round_trip
+    from kreisel.study.round_trip import complete, round_trip
 
     truth, lines = motion.at(imu.mount), []
     increments = replace(imu.increments(motion), dp=None)
-    readings: dict[str, ImuRecording | ImuIncrements] = {
-        "ideal rates": imu.ideal(motion),
-        "ideal increments": increments,
+    readings: dict[str, tuple[ImuRecording | ImuIncrements, Motion]] = {
+        "ideal rates": (imu.ideal(motion), truth),
+        "ideal increments": (increments, truth),
     }
     if measured is not None:
-        readings["with its errors"] = measured
-    for kind, recording in readings.items():
-        errors = round_trip(recording, truth, imu.environment)
+        readings["with its errors"] = complete(measured, truth)
+    for kind, (recording, true) in readings.items():
+        errors = round_trip(recording, true, imu.environment)
         p, v, turn = (float(x.max()) for x in (errors.position, errors.velocity, errors.attitude))
         # Two digits that count, but 100 rather than 1e+02.
         p, v, turn = (float(f"{x:.2g}") for x in (p, v, np.rad2deg(turn)))

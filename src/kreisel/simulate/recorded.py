@@ -23,6 +23,9 @@ class Recorded:
     disturbance_N_uT: Array | None = (
         None  # (n, 3) in N, added by the world to the field at the sensor; None: nothing
     )
+    temperature_degC: Array | None = (
+        None  # (n,) of the sensor; None: room temperature, of which nothing was said
+    )
 
     def errors(self, sensor: str) -> dict[str, Array]:
         """What each effect of `sensor` ("gyro", "accel" or "mag_uT") added, by its name: (n, 3), sensor's unit.

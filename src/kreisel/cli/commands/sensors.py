@@ -24,6 +24,7 @@ _EXAMPLES = """\
 examples:
   kreisel sensors                        all presets
   kreisel sensors bmi088                 one, each value with its source
+  kreisel sensors --keys                 every number of a datasheet that can be given, with its unit
   kreisel sensors imu.yaml               what the numbers of a kalibr file mean
   kreisel sensors mine.toml --kalibr imu.yaml --rate 200
   kreisel sensors bmi088 --kalibr imu.yaml --rate 200 --gyro-walk 2e-5 --accel-walk 3e-4
@@ -67,6 +68,11 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "sensor", nargs="?", metavar="SENSOR", help="a preset, a .toml file, or kalibr's .yaml"
     )
+    parser.add_argument(
+        "--keys",
+        action="store_true",
+        help="the names by which numbers of a datasheet are given, with unit and meaning",
+    )
     parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
     parser.add_argument("--kalibr", metavar="FILE", help="also write the sensor's noise as kalibr's imu.yaml")
     for name, unit in _WALKS.items():
@@ -85,6 +91,9 @@ def run(args: Namespace) -> int:
     """List all, or show one."""
     from kreisel.simulate.presets import GRADES, load, names
 
+    if args.keys:
+        _list_keys(args.json)
+        return 0
     if args.sensor is None:
         if args.kalibr:
             raise ValueError("--kalibr writes one sensor; name it: kreisel sensors SENSOR --kalibr FILE.")
@@ -138,6 +147,22 @@ def _list(presets: list[Preset], as_json: bool) -> None:
     print(
         "\nrandom walk N, bias instability (floor of the Allan deviation), range in deg/s and g, magnetometer; "
         "- is not stated. kreisel sensors SENSOR shows more."
+    )
+
+
+def _list_keys(as_json: bool) -> None:
+    from kreisel.simulate.datasheet import PARAMETERS
+
+    if as_json:
+        told = {name: {"unit": p.unit, "meaning": p.meaning} for name, p in PARAMETERS.items()}
+        print(json.dumps({"schema": "kreisel.sensors/1", "keys": told}, indent=2))
+        return
+    width, units = max(map(len, PARAMETERS)), max(len(p.unit) for p in PARAMETERS.values())
+    for name, p in PARAMETERS.items():
+        print(f"{name:<{width}}  {p.unit:<{units}}  {p.meaning}")
+    print(
+        "\none number, or one per axis; one sigma is drawn in every run. dps, dph and per_degC stand for deg_per_s, "
+        "deg_per_h and per_K.\ndocs/datasheets.md says how each becomes a model."
     )
 
 

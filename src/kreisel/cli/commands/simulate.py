@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,6 +23,7 @@ from kreisel.cli.outputs import (
     simulation_outputs,
     write_outputs,
 )
+from kreisel.cli.sensor_options import add_sensor_arguments, describe_sensor, made, sensor_recipe
 from kreisel.cli.surroundings import (
     add_place_arguments,
     describe_declination,
@@ -46,6 +48,9 @@ examples:
   kreisel simulate poses.csv -o out/
   kreisel simulate poses.tum -o out/ --rate 400 --imu wrist:0.02,0,0.05
   kreisel simulate poses.csv -o out/ --imu bmi088 --seed 7
+  kreisel simulate poses.csv -o out/ --imu bmi088 --set gyro_noise_deg_per_s_rthz=0.02 --clock jitter=1e-4,loss=0.01
+  kreisel simulate poses.csv -o out/ --imu bmi088 --temperature warm.csv --set gyro_temperature_bias_dps_per_degC=0.01
+  kreisel simulate poses.csv -o out/ --imu bmi088 --effect accel:vibration_lines:frequency=35,amplitude=0.5/0.2/1
   kreisel simulate poses.csv -o out/ --sensor bmi088 --imu left:0,0.1,0 --imu right:0,-0.1,0
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
   kreisel simulate mocap.csv -o out/ --noise 0.1mm,0.01deg --max-gap 0.5
@@ -80,6 +85,7 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--seed", type=int, default=0, help="whole number from which noise is drawn (default 0)"
     )
+    add_sensor_arguments(parser)
     add_place_arguments(parser)
     parser.add_argument("--rate", type=float, metavar="HZ", help="IMU rate (default: the times of the poses)")
     parser.add_argument(
@@ -111,7 +117,7 @@ def configure(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Read, differentiate, mount, write."""
-    from kreisel.study.sensor import errs, record_all, sensor_imu
+    from kreisel.study.sensor import errs, record_all
 
     started = time.perf_counter()
     choice("--to-frame", args.to_frame, tuple(WORLDS))
@@ -123,7 +129,11 @@ def run(args: Namespace) -> int:
     mounts = [to_enu_flu(mount, args.frame) for mount, _ in given]
     sensors = [sensor or args.sensor for _, sensor in given]
     environment = environment_at(args)
-    imus = [sensor_imu(sensor, mount, environment) for mount, sensor in zip(mounts, sensors, strict=True)]
+    recipe = sensor_recipe(args)
+    imus = [
+        made(replace(recipe, sensor=sensor), mount, environment)
+        for mount, sensor in zip(mounts, sensors, strict=True)
+    ]
     outputs = simulation_outputs(
         [mount.name for mount in mounts],
         erring=[imu.mount.name for imu in imus if errs(imu)],
@@ -136,11 +146,12 @@ def run(args: Namespace) -> int:
     )
     check_outputs(args.output, outputs)
     motion, held = read_course(args)
-    made = Simulation(motion, mounts, *record_all(imus, motion, args.seed))
-    lines = write_outputs(args.output, outputs, made)
+    simulation = Simulation(motion, mounts, *record_all(imus, motion, args.seed))
+    lines = write_outputs(args.output, outputs, simulation)
     told = ", ".join(dict.fromkeys(sensor or "ideal sensor" for sensor in sensors))
-    told += f", seed {args.seed}" if made.recorded else ""
+    told += f", seed {args.seed}" if simulation.recorded else ""
     print(f"{args.input}: {held} -> {len(motion)} IMU samples, {told}")
+    print("".join(f"  {line}\n" for line in describe_sensor(recipe)), end="")
     if args.place is not None:
         print(f"  {_described(environment)}")
     print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
@@ -148,7 +159,7 @@ def run(args: Namespace) -> int:
     print(aligned(lines))
     if args.check:
         print("integrated back from the first pose, the largest errors are:")
-        print(aligned(_round_trips(imus, motion, made)))
+        print(aligned(_round_trips(imus, motion, simulation)))
     return 0
 
 
