@@ -6,6 +6,7 @@ import json
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -79,8 +80,8 @@ def made(recipe: ImuRecipe, mount: Mount, environment: Environment) -> Imu:
     return make_imu(recipe, mount, environment, Path(), at)
 
 
-def describe_sensor(recipe: ImuRecipe) -> list[str]:
-    """What the options changed, a line each; nothing where they did not."""
+def describe_sensor(recipe: ImuRecipe, prefix: str = "  ") -> list[str]:
+    """What is said of the sensor beside its name, in lines that begin with `prefix`; none where nothing is."""
     lines = []
     if recipe.datasheet:
         told = (f"{name} = {_shown(value)}" for name, value in recipe.datasheet.items())
@@ -90,9 +91,17 @@ def describe_sensor(recipe: ImuRecipe) -> list[str]:
     if recipe.temperature is not None:
         lines.append(f"temperature: {_warmth(recipe.temperature)}")
     if recipe.effects:
-        told = (f"{e.kind} of the {e.sensor} ({', '.join(_told(e.parameters))})" for e in recipe.effects)
-        lines.append(f"effects: {', '.join(told)}")
-    return lines
+        lines.append(f"effects: {', '.join(map(_added, recipe.effects))}")
+    return [
+        part
+        for line in lines
+        for part in wrap(prefix + line, 118, subsequent_indent="    ", break_long_words=False)
+    ]
+
+
+def _added(effect: EffectRecipe) -> str:
+    place = [f"{key} {name}" for key in ("before", "after") if (name := getattr(effect, key))]
+    return f"{effect.kind} of the {effect.sensor} ({', '.join([*_told(effect.parameters), *place])})"
 
 
 def _warmth(temperature: Any) -> str:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -33,12 +33,8 @@ _LISTS = {"gyro": "gyro_effects", "accel": "accel_effects", "mag": "mag_effects"
 _READINGS = {"gyro": "gyro", "accel": "accel", "mag": "mag_uT"}
 
 
-class Where(Protocol):
-    """Where the keys of a recipe stand, for complaints: in a file, or on the command line."""
-
-    def __call__(self, key: str, *steps: int | str) -> Place:
-        """The place of a key, and some steps into its value."""
-        ...
+Where = Callable[..., Place]
+"""Key and steps into its value -> where that stands, for complaints: in a file, or on the command line."""
 
 
 def make_imu(recipe: ImuRecipe, mount: Mount, environment: Environment, folder: Path, at: Where) -> Imu:

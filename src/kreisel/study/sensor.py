@@ -74,6 +74,11 @@ def _with(imu: Imu, values: Mapping[str, Any]) -> Imu:
     for name in ("gyro_effects", "accel_effects", "mag_effects"):
         effects = getattr(imu, name)
         for effect in getattr(added, name):
+            if effect.name in [own.name for own in effects]:
+                sensor = name.removesuffix("_effects")
+                raise ValueError(
+                    f"the calibration says what the {effect.name} of the {sensor} is; leave that number out."
+                )
             effects = placed(effects, effect)
         lists[name] = effects
     return replace(imu, **lists)

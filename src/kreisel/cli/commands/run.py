@@ -86,7 +86,7 @@ def _described(scenario: Scenario, result: Result) -> list[str]:
     span = f"{len(t)} samples from {t[0]:.6g} to {t[-1]:.6g} s"
     sensors = ", ".join(dict.fromkeys(imu.sensor or "ideal sensor" for imu in scenario.imus))
     lines = [f"{scenario.name or 'scenario'}: {kind}, {span}, {sensors}, seed {scenario.seed}"]
-    changed = [f"  {imu.name}, {line}" for imu in scenario.imus for line in describe_sensor(imu)]
+    changed = [line for imu in scenario.imus for line in describe_sensor(imu, f"  {imu.name}, ")]
     return [*lines, *changed, *_surroundings(scenario)]
 
 

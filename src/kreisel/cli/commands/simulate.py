@@ -151,7 +151,7 @@ def run(args: Namespace) -> int:
     told = ", ".join(dict.fromkeys(sensor or "ideal sensor" for sensor in sensors))
     told += f", seed {args.seed}" if simulation.recorded else ""
     print(f"{args.input}: {held} -> {len(motion)} IMU samples, {told}")
-    print("".join(f"  {line}\n" for line in describe_sensor(recipe)), end="")
+    print("".join(f"{line}\n" for line in describe_sensor(recipe)), end="")
     if args.place is not None:
         print(f"  {_described(environment)}")
     print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
