@@ -29,19 +29,19 @@ def add_sensor_arguments(parser: ArgumentParser) -> None:
         action="append",
         metavar="KEY=VALUE",
         help="a number of a datasheet in place of the sensor's or beside them, as in "
-        "--set gyro_noise_deg_per_s_rthz=0.02,accel_fixed_bias_mg=3/-2/5; / parts the axes; kreisel sensors --keys "
-        "lists all; may be given several times",
+        "--set gyro_noise_dps_rthz=0.02 or --set accel_fixed_bias_mg=3/-2/5 for the axes; kreisel sensors --keys lists "
+        "all; commas between several, or given several times",
     )
     group.add_argument(
         "--clock",
         action="append",
         metavar="KEY=VALUE",
         help="of the clock: offset, jitter s, rate_offset_ppm, loss (probability that a sample is lost), and of one "
-        "sensor rate Hz, latency, window s, as in --clock jitter=1e-4,rate_offset_ppm=20,mag.rate=50",
+        "sensor rate Hz, latency, window s, as in --clock jitter=1e-4,loss=0.01,mag.rate=50",
     )
     group.add_argument(
         "--temperature",
-        metavar="DEGC",
+        metavar="DEGC|FILE",
         help="of the sensors, deg C, or the name of a csv with columns t [s] and temperature [degC] (default 25)",
     )
     group.add_argument(
@@ -49,8 +49,8 @@ def add_sensor_arguments(parser: ArgumentParser) -> None:
         action="append",
         metavar="SENSOR:KIND:KEY=VALUE",
         help="one more error of gyro, accel or mag (docs/effects.md, SI units), as in "
-        "--effect accel:vibration_lines:frequency=35,amplitude=0.5/0.2/1; before=NAME or after=NAME for another place "
-        "than the physical one; may be given several times",
+        "--effect gyro:scale_factor:error=0.01; before=NAME or after=NAME for another place than the physical one; may "
+        "be given several times",
     )
 
 

@@ -55,6 +55,18 @@ _SHOWN = {
 _WALKS = {"gyro": "rad/s^2/sqrt(Hz)", "accel": "m/s^3/sqrt(Hz)"}
 _RANGES = {"gyro": "gyro_range_deg_per_s", "accel": "accel_range_g"}
 _UNITS = {"gyro": "rad/s", "accel": "m/s^2", "mag": "uT"}
+# The same of what is no noise: its SI unit.
+_ERRORS = {
+    "g_sensitivity": "rad/s per m/s^2",
+    "temperature_bias": "{}/K",
+    "temperature_scale": "1/K",
+    "cubic": "1/({})^2, of x^3",
+    "fixed_bias": "{}",
+    "fixed_scale": "relative",
+    "fixed_g_sensitivity": "rad/s per m/s^2",
+    "fixed_temperature_bias": "{}/K",
+    "fixed_temperature_scale": "1/K",
+}
 _SI = {
     "white_noise": "{}/sqrt(Hz)",
     "bias_instability": "{}",
@@ -117,7 +129,7 @@ def run(args: Namespace) -> int:
         told = _preset_json(preset) if preset else {"name": args.sensor, "noise": _noise_json(models)}
         print(json.dumps({"schema": "kreisel.sensors/1", "sensors": [told]}, indent=2))
     else:
-        print("\n".join([*(_stated(preset) if preset else [args.sensor]), *_meaning(models)]))
+        print("\n".join([*(_stated(preset) if preset else [args.sensor]), *_meaning(models, preset)]))
         if args.kalibr:
             print(f"\n{args.kalibr}  written for kalibr")
     return 0
@@ -201,8 +213,8 @@ def _stated(preset: Preset) -> list[str]:
     return lines
 
 
-def _meaning(models: dict[str, NoiseModel]) -> list[str]:
-    """What the noise is in customary and in SI units; of axes that differ the noisiest."""
+def _meaning(models: dict[str, NoiseModel], preset: Preset | None = None) -> list[str]:
+    """What noise and other errors are in customary and in SI units; of axes that differ the largest."""
     rows = []
     for sensor, model in models.items():
         unit = _UNITS[sensor]
@@ -215,7 +227,29 @@ def _meaning(models: dict[str, NoiseModel]) -> list[str]:
                 rows.append(
                     (f"  {sensor} {meaning}", f"{value * factor:.4g} {customary}", f"{shown:.4g} {si}")
                 )
+    rows += _meant(preset) if preset else []
     return ["", *plain(("which means, simulated", "", "in SI units"), rows)] if rows else []
+
+
+def _meant(preset: Preset) -> list[tuple[str, str, str]]:
+    """Rows of `_meaning` for what is no noise."""
+    from kreisel.simulate.datasheet import PARAMETERS
+
+    rows, triads = [], preset.triads()._asdict()
+    for name, value in preset.values.items():
+        sensor, p = name.split("_")[0], PARAMETERS[name]
+        if p.settles in _ERRORS and np.any(value):
+            k = int(np.argmax(np.abs(value)))
+            stated, si = np.ravel(value)[k], np.broadcast_to(getattr(triads[sensor], p.settles), 3)[k]
+            unit = _ERRORS[p.settles].format(_UNITS[sensor])
+            rows.append(
+                (
+                    f"  {sensor} {p.meaning.split(', largest')[0]}",
+                    f"{stated:.4g} {p.unit}",
+                    f"{si:.4g} {unit}",
+                )
+            )
+    return rows
 
 
 def _noise_json(models: dict[str, NoiseModel]) -> dict[str, Any]:
