@@ -80,6 +80,11 @@ def made(recipe: ImuRecipe, mount: Mount, environment: Environment) -> Imu:
     return make_imu(recipe, mount, environment, Path(), at)
 
 
+def sensor_name(recipe: ImuRecipe) -> str:
+    """What to call the sensor of a recipe in a summary."""
+    return recipe.sensor or ("a sensor of its own" if recipe.datasheet or recipe.effects else "ideal sensor")
+
+
 def describe_sensor(recipe: ImuRecipe, prefix: str = "  ") -> list[str]:
     """What is said of the sensor beside its name, in lines that begin with `prefix`; none where nothing is."""
     lines = []

@@ -22,7 +22,7 @@ from kreisel.cli.outputs import (
     write_json,
     write_outputs,
 )
-from kreisel.cli.sensor_options import describe_sensor
+from kreisel.cli.sensor_options import describe_sensor, sensor_name
 from kreisel.cli.surroundings import describe_field, describe_gravity, describe_place
 from kreisel.files.doors import write
 
@@ -84,7 +84,7 @@ def _described(scenario: Scenario, result: Result) -> list[str]:
     t, recipe = result.motion.t, scenario.trajectory
     kind = recipe.kind if isinstance(recipe, TrajectoryRecipe) else type(recipe).__name__
     span = f"{len(t)} samples from {t[0]:.6g} to {t[-1]:.6g} s"
-    sensors = ", ".join(dict.fromkeys(imu.sensor or "ideal sensor" for imu in scenario.imus))
+    sensors = ", ".join(dict.fromkeys(map(sensor_name, scenario.imus)))
     lines = [f"{scenario.name or 'scenario'}: {kind}, {span}, {sensors}, seed {scenario.seed}"]
     changed = [line for imu in scenario.imus for line in describe_sensor(imu, f"  {imu.name}, ")]
     return [*lines, *changed, *_surroundings(scenario)]

@@ -23,7 +23,7 @@ from kreisel.cli.outputs import (
     simulation_outputs,
     write_outputs,
 )
-from kreisel.cli.sensor_options import add_sensor_arguments, describe_sensor, made, sensor_recipe
+from kreisel.cli.sensor_options import add_sensor_arguments, describe_sensor, made, sensor_name, sensor_recipe
 from kreisel.cli.surroundings import (
     add_place_arguments,
     describe_declination,
@@ -148,7 +148,7 @@ def run(args: Namespace) -> int:
     motion, held = read_course(args)
     simulation = Simulation(motion, mounts, *record_all(imus, motion, args.seed))
     lines = write_outputs(args.output, outputs, simulation)
-    told = ", ".join(dict.fromkeys(sensor or "ideal sensor" for sensor in sensors))
+    told = ", ".join(dict.fromkeys(sensor or sensor_name(recipe) for sensor in sensors))
     told += f", seed {args.seed}" if simulation.recorded else ""
     print(f"{args.input}: {held} -> {len(motion)} IMU samples, {told}")
     print("".join(f"{line}\n" for line in describe_sensor(recipe)), end="")
