@@ -274,19 +274,20 @@ def describe_round_trip(
     their position, integrated from velocity, shows whether the path and its derivative are one. `measured`, what the
     sensor read with its errors, or perfect increments with dp, shows how far it drifts without a filter.
     """
-    from kreisel.study.round_trip import round_trip
+    from kreisel.study.round_trip import complete, round_trip
 
     truth, lines = motion.at(imu.mount), []
     increments = replace(imu.increments(motion), dp=None)
-    readings: dict[str, ImuRecording | ImuIncrements] = {
-        "ideal rates": imu.ideal(motion),
-        "ideal increments": increments,
+    readings: dict[str, tuple[ImuRecording | ImuIncrements, Motion]] = {
+        "ideal rates": (imu.ideal(motion), truth),
+        "ideal increments": (increments, truth),
     }
     if measured is not None:
         exact = isinstance(measured, ImuIncrements) and measured.dp is not None
-        readings["increments as written" if exact else "with its errors"] = measured
-    for kind, recording in readings.items():
-        errors = round_trip(recording, truth, imu.environment)
+        whole = (measured, truth) if isinstance(measured, ImuIncrements) else complete(measured, truth)
+        readings["increments as written" if exact else "with its errors"] = whole
+    for kind, (recording, true) in readings.items():
+        errors = round_trip(recording, true, imu.environment)
         p, v, turn = two_digits([float(x.max()) for x in (errors.position, errors.velocity, errors.attitude)])
         lines.append(f"{imu.mount.name} {kind}  {p} m, {v} m/s, {turn} deg")
     return lines

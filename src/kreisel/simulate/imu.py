@@ -80,6 +80,7 @@ class Imu(Shown):
         mount: Mount | None = None,
         environment: Environment | None = None,
         clock: Clock | None = None,
+        temperature: TemperatureHistory | None = None,
         **values: Any,
     ) -> Imu:
         """An IMU from the numbers of its datasheet, each under a name that wears its unit.
@@ -90,7 +91,7 @@ class Imu(Shown):
         """
         from kreisel.simulate.datasheet import triads
 
-        return cls._of(triads(values), mount, environment, clock)
+        return cls._of(triads(values), mount, environment, clock, temperature)
 
     @classmethod
     def from_preset(
@@ -100,16 +101,21 @@ class Imu(Shown):
         mount: Mount | None = None,
         environment: Environment | None = None,
         clock: Clock | None = None,
+        temperature: TemperatureHistory | None = None,
+        **values: Any,
     ) -> Imu:
         """The IMU of a datasheet that comes along, such as "bmi088", or of a preset file "mine.toml".
 
+        values: numbers as `from_datasheet` takes them, in place of the preset's or beside them.
         Its magnetometer reads where `environment` has a field; one without a magnetometer then has a perfect one.
 
-        Raises ValueError with the nearest name where there is no such preset.
+        Raises ValueError with the nearest name where there is no such preset, and as `from_datasheet` does.
         """
+        from kreisel.simulate.datasheet import completed, triads
         from kreisel.simulate.presets import load
 
-        return cls._of(load(name).triads(), mount, environment, clock)
+        made = triads(completed(load(name).values, values))
+        return cls._of(made, mount, environment, clock, temperature)
 
     @classmethod
     def from_noise(
@@ -120,12 +126,14 @@ class Imu(Shown):
         mount: Mount | None = None,
         environment: Environment | None = None,
         clock: Clock | None = None,
+        temperature: TemperatureHistory | None = None,
     ) -> Imu:
         """An IMU with the noise of a gyroscope (rad/s) and an accelerometer (m/s^2), and no other errors."""
         from kreisel.simulate.datasheet import Triads
         from kreisel.simulate.triad import Triad
 
-        return cls._of(Triads(Triad(gyro), Triad(accel), Triad()), mount, environment, clock)
+        triads = Triads(Triad(gyro), Triad(accel), Triad())
+        return cls._of(triads, mount, environment, clock, temperature)
 
     @classmethod
     def _of(
@@ -134,6 +142,7 @@ class Imu(Shown):
         mount: Mount | None,
         environment: Environment | None,
         clock: Clock | None,
+        temperature: TemperatureHistory | None,
     ) -> Imu:
         environment = environment or Environment()
         in_a_field = environment.field_N_uT is not None
@@ -144,6 +153,7 @@ class Imu(Shown):
             triads.mag.effects() if in_a_field else (),
             environment=environment,
             clock=clock or Clock(),
+            temperature=temperature,
         )
 
     def ideal(self, motion: Motion) -> ImuRecording:
@@ -241,6 +251,7 @@ class Imu(Shown):
             gyro_bias=read_only(sensed["gyro"].bias),
             accel_bias=read_only(sensed["accel"].bias),
             disturbance_N_uT=self._disturbance(motion),
+            temperature_degC=None if self.temperature is None else read_only(self.temperature.at(motion.t)),
             seed=seed,
             run=run,
             replay=partial(self._errors, motion, ideal, seed, run),
@@ -380,12 +391,8 @@ class Imu(Shown):
             raise ValueError(
                 f"a recording needs two samples or more, for noise depends on the time between them; got {len(motion)}."
             )
-        history, (first, last) = self.temperature, motion.t[[0, -1]]
-        if history is not None and not history.covers(first, last):
-            span = f"{history.t[0]:.6g} to {history.t[-1]:.6g}" if len(history.t) else "no time at all"
-            raise ValueError(
-                f"temperature must cover the motion, from {first:.6g} to {last:.6g} s; it covers {span} s."
-            )
+        if self.temperature is not None:
+            self.temperature.check_covers(*motion.t[[0, -1]])
 
 
 def _blocks(n: int) -> Iterator[slice]:

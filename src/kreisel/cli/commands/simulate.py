@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +26,13 @@ from kreisel.cli.outputs import (
 )
 from kreisel.cli.progress import Progress
 from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
+from kreisel.cli.sensor_options import (
+    add_sensor_arguments,
+    describe_sensor,
+    made,
+    sensor_called,
+    sensor_recipe,
+)
 from kreisel.cli.surroundings import (
     add_place_arguments,
     describe_declination,
@@ -54,6 +62,9 @@ examples:
   kreisel simulate poses.tum -o out/ --rate 400 --imu wrist:0.02,0,0.05
   kreisel simulate poses.csv -o out/ --imu bmi088 --seed 7
   kreisel simulate poses.csv -o out/ --imu adis16495 --seed 7 --increments
+  kreisel simulate poses.csv -o out/ --imu bmi088 --set gyro_noise_deg_per_s_rthz=0.02 --clock jitter=1e-4,loss=0.01
+  kreisel simulate poses.csv -o out/ --imu bmi088 --temperature warm.csv --set gyro_temperature_bias_dps_per_degC=0.01
+  kreisel simulate poses.csv -o out/ --imu bmi088 --effect accel:vibration_lines:frequency=35,amplitude=0.5/0.2/1
   kreisel simulate poses.csv -o out/ --sensor bmi088 --imu left:0,0.1,0 --imu right:0,-0.1,0
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
   kreisel simulate mocap.csv -o out/ --noise 0.1mm,0.01deg --max-gap 0.5
@@ -89,6 +100,7 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--seed", type=whole(), default=0, help="whole number from which noise is drawn (default 0)"
     )
+    add_sensor_arguments(parser)
     add_place_arguments(parser)
     parser.add_argument("--rate", type=rate, metavar="HZ", help="IMU rate (default: the times of the poses)")
     parser.add_argument(
@@ -137,7 +149,7 @@ def _add_output_arguments(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Read, differentiate, mount, write."""
-    from kreisel.study.sensor import add_up_all, errs, record_all, sensor_imu
+    from kreisel.study.sensor import add_up_all, errs, record_all
 
     started = time.perf_counter()
     _check_increments(args)
@@ -146,7 +158,12 @@ def run(args: Namespace) -> int:
     mounts = [to_enu_flu(mount, args.frame) for mount, _ in given]
     sensors = [named or args.sensor for _, named in given]
     environment = environment_at(args)
-    imus = [sensor_imu(named, mount, environment) for mount, named in zip(mounts, sensors, strict=True)]
+    with as_typed():
+        recipe = sensor_recipe(args)
+    imus = [
+        made(replace(recipe, sensor=named), mount, environment)
+        for mount, named in zip(mounts, sensors, strict=True)
+    ]
     with as_typed():
         outputs = simulation_outputs(
             [mount.name for mount in mounts],
@@ -167,15 +184,16 @@ def run(args: Namespace) -> int:
         return tell_plan(args, reads, written(args.output, outputs))
     read = add_up_all if args.increments else record_all
     with Progress(len(imus), "IMUs") as progress:
-        made = Simulation(motion, mounts, *read(imus, motion, args.seed, progress.advance))
-    lines = write_outputs(args.output, outputs, made)
+        simulation = Simulation(motion, mounts, *read(imus, motion, args.seed, progress.advance))
+    lines = write_outputs(args.output, outputs, simulation)
     if args.json:
         print_json(_report(args, motion, mounts, sensors, written(args.output, outputs)))
         return 0
-    told = ", ".join(dict.fromkeys(named or "ideal sensor" for named in sensors))
-    told += f", seed {args.seed}" if made.recorded else ""
+    told = ", ".join(dict.fromkeys(named or sensor_called(recipe) for named in sensors))
+    told += f", seed {args.seed}" if simulation.recorded else ""
     what = "increments" if args.increments else "samples"
-    print(f"{args.input}: {held} -> {len(made.recordings[0])} IMU {what}, {told}")
+    print(f"{args.input}: {held} -> {len(simulation.recordings[0])} IMU {what}, {told}")
+    print("".join(f"{line}\n" for line in describe_sensor(recipe)), end="")
     if args.place is not None:
         print(f"  {_described(environment)}")
     print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
@@ -183,7 +201,7 @@ def run(args: Namespace) -> int:
     print(aligned(lines))
     if args.check:
         print("integrated back from the first pose, the largest errors are:")
-        print(aligned(_round_trips(imus, motion, made)))
+        print(aligned(_round_trips(imus, motion, simulation)))
     return 0
 
 
