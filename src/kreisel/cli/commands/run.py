@@ -13,6 +13,7 @@ import numpy as np
 from kreisel.cli.outputs import (
     Output,
     aligned,
+    check_imu_names,
     check_outputs,
     describe_notes,
     output_folder,
@@ -147,6 +148,7 @@ def _outputs(scenario: Scenario, pictures: bool) -> list[Output[Result]]:
     from kreisel.study.sensor import errs
 
     imus, world = [imu.name for imu in scenario.imus], surroundings(scenario.environment)
+    check_imu_names(imus)
     erring = [imu.mount.name for imu in made_of(scenario, world) if errs(imu)]
     magnetometer = world.field_N_uT is not None
     outputs: list[Output[Result]] = [
