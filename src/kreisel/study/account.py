@@ -43,8 +43,12 @@ class Account:
     name: str
     readings: tuple[Reading, ...]
     answers: tuple[Answer, ...] = ()
-    truth: Truth | None = None  # Motion and Poses of the body; Reference and AttitudeHistory of the one sensor
-    report: Mapping[str, Any] = field(default_factory=dict)  # as `Result.report` has it; empty for files of others
+    truth: Truth | None = (
+        None  # Motion and Poses of the body; Reference and AttitudeHistory of the one sensor
+    )
+    report: Mapping[str, Any] = field(
+        default_factory=dict
+    )  # as `Result.report` has it; empty for files of others
 
 
 def account_of(result: Result) -> Account:
@@ -73,7 +77,7 @@ def account_of_files(
     mount : where the IMU sat on the body of which `truth` tells. align : as `attitude_errors` has it.
     Raises ValueError where a truth shows no attitude or does not overlap.
     """
-    mount = mount or Mount(name=recording.name or "imu")
+    mount = mount or Mount()
     seen = None if truth is None else sensor_attitude(truth, mount)
     answers = [
         Answer(mount.name, name, found, None if seen is None else attitude_errors(seen, found, align=align))

@@ -86,7 +86,7 @@ def run(args: Namespace) -> int:
     """Read both, compare, report; 3 where a limit was missed."""
     from kreisel.evaluate.attitude_errors import attitude_errors
 
-    truth = _truth(args.truth, args.truth_topic or ())
+    truth = read_truth(args.truth, args.truth_topic or ())
     estimate = _estimate(args.estimate, args.estimate_topic or (), args.imu)
     errors = attitude_errors(truth, estimate, align=args.align, clock_offset=args.clock_offset)
     summary = errors.summary(args.limit_deg)
@@ -122,7 +122,8 @@ def _clock_offset(text: str) -> float | str:
     return offset
 
 
-def _truth(path: str, topic: str | tuple[()]) -> Truth:
+def read_truth(path: str, topic: str | tuple[()] = ()) -> Truth:
+    """What a file knows of the true attitude; ValueError for an IMU recording."""
     from kreisel.data.recording import ImuRecording
     from kreisel.data.trial import Trial
     from kreisel.files.doors import read

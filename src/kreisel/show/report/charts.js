@@ -42,10 +42,15 @@ class Chart {
       trace.renderer.data_source.data = trace.line;
     }
     this.limits = layers.map((layer) => layer.limits[this.name]).findLast(Boolean) ?? [0, 1];
+    this.span = this.limits[1] - this.limits[0];
     this.model.y_range.setv({ start: this.limits[0], end: this.limits[1] });
+    if (this.model.left[0].axis_label.endsWith("[deg]")) {
+      // Quarter turns, once there is more than half a turn to see.
+      this.model.left[0].ticker.mantissas = this.span > 180 ? [9] : [1, 2, 5];
+    }
     const beyond = layers.map((layer) => layer.beyond[this.name]).findLast(Boolean);
     this.remark.hidden = beyond === undefined;
-    if (beyond) this.remark.textContent = `▲ up to ${number(beyond)} at the start, beyond this chart`;
+    if (beyond) this.remark.textContent = `▲ up to ${number(beyond, beyond)}, beyond this chart`;
   }
 
   dress() {
@@ -79,7 +84,7 @@ class Chart {
   /** Numbers at the cursor: those of the samples nearest before it that are drawn. */
   read(time) {
     for (const { output, trace } of this.entries) {
-      if (output && trace) output.textContent = number(valueAt(trace.line, time));
+      if (output && trace) output.textContent = number(valueAt(trace.line, time), this.span);
     }
   }
 }
@@ -95,10 +100,11 @@ function valueAt({ t, y }, time) {
   return y[k];
 }
 
-/** Three digits that count, in a width that does not jump. */
-function number(x) {
+/** `x` with as many digits as tell a thousandth of `span` from nothing, so that a number's width does not jump. */
+function number(x, span) {
   if (!Number.isFinite(x)) return "–";
-  const size = Math.abs(x);
-  const text = size && (size >= 1e5 || size < 1e-3) ? x.toExponential(1) : x.toFixed(size >= 100 ? 1 : size >= 10 ? 2 : 3);
-  return text.replace("-", "−");
+  const digits = Math.min(Math.max(3 - Math.floor(Math.log10(span || 1)), 0), 9);
+  const text = x.toFixed(digits);
+  // Round-off of either sign is nothing.
+  return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
 }

@@ -19,18 +19,18 @@ _NOTES_SHOWN = 6
 
 
 def errors_table(account: Account) -> list[tuple[str, ...]]:
-    """A row for each answer: IMU, filter, RMSE of total, heading and inclination, largest total, convergence."""
+    """A row for each answer: its name, RMSE of total, heading and inclination, largest total, convergence."""
     rows = []
     for answer in account.answers:
-        cells = ["–"] * 5 if answer.errors is None else _cells(answer.errors.summary())
-        rows.append((answer.imu, answer.filter, *cells))
+        name = answer.filter if len(account.readings) == 1 else f"{answer.imu}, {answer.filter}"
+        rows.append((name, *(["–"] * 5 if answer.errors is None else _cells(answer.errors.summary()))))
     return rows
 
 
 def _cells(s: Summary) -> list[str]:
     numbers = (s.total_rmse_deg, s.heading_rmse_deg, s.inclination_rmse_deg, s.total_max_deg)
     since = "never" if s.convergence_time_s is None else f"{s.convergence_time_s:.4g} s"
-    return [*(f"{x:.3g}" for x in numbers), since]
+    return [*(f"{x:#.3g}".rstrip(".") for x in numbers), since]
 
 
 def facts(account: Account, on: Timeline) -> list[Fact]:
@@ -53,8 +53,8 @@ def _motion(account: Account, scenario: Mapping[str, Any], on: Timeline) -> Iter
     if isinstance(truth, Motion) and len(truth):
         speed = np.linalg.norm(truth.v_NB, axis=1)
         turn = np.rad2deg(np.linalg.norm(truth.omega_NB_B, axis=1))
-        yield "speed", f"up to {speed.max():.3g} m/s"
-        yield "turning", f"up to {turn.max():.3g} deg/s"
+        yield "speed", f"up to {_plain(speed.max())} m/s"
+        yield "turning", f"up to {_plain(turn.max())} deg/s"
 
 
 def _imus(readings: Sequence[Reading], scenario: Mapping[str, Any]) -> Iterator[Fact]:
@@ -99,7 +99,15 @@ def _filters(account: Account, scenario: Mapping[str, Any]) -> Iterator[Fact]:
         yield f"filter {filter['name']}", ", ".join([*kind, *(tuning or ["defaults"])])
     for answer in account.answers:
         if answer.errors is not None and answer.errors.align is not None:
-            yield f"{answer.imu}, {answer.filter}", f"errors without a constant offset of {answer.errors.align}"
+            yield (
+                f"{answer.imu}, {answer.filter}",
+                f"errors without a constant offset of {answer.errors.align}",
+            )
+
+
+def _plain(value: float) -> str:
+    """Three digits that count, but 1270 rather than 1.27e+03."""
+    return f"{float(f'{value:.3g}'):g}"
 
 
 def _triple(values: Array | Sequence[float]) -> str:

@@ -43,7 +43,9 @@ class Layer:
 
     lines: dict[str, Packed] = field(default_factory=dict)
     limits: dict[str, tuple[float, float]] = field(default_factory=dict)
-    beyond: dict[str, float] = field(default_factory=dict)  # chart -> largest value, where outside of its limits
+    beyond: dict[str, float] = field(
+        default_factory=dict
+    )  # chart -> largest value, where outside of its limits
 
 
 @dataclass(frozen=True, slots=True)

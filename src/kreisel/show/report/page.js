@@ -112,19 +112,19 @@ class Page {
     for (const tile of document.querySelectorAll("[data-tile]")) {
       const value = this.tile(tile.dataset.tile);
       tile.hidden = value === null;
-      if (value !== null) tile.querySelector("b").textContent = number(value);
+      if (value !== null) tile.querySelector("b").textContent = value;
     }
   }
 
-  /** The numbers beside the body: a length of three lines, or one line of a chart. */
+  /** A number beside the body: the length of the three lines of a chart, or one line of it. */
   tile(name) {
     const [chart, trace] = name.split(".");
     const traces = this.charts.find((each) => each.name === chart)?.traces ?? [];
-    const wanted = traces.filter(({ name }) => (trace ? name === trace : name.length === 1));
-    const values = wanted.filter(({ line }) => line?.t.length).map(({ line }) => valueAt(line, this.time));
+    const wanted = traces.filter((each) => (trace ? each.name === trace : each.name.length === 1));
+    const values = wanted.filter(({ line }) => line.t.length).map(({ line }) => valueAt(line, this.time));
     if (!values.length) return null;
     const size = trace ? values[0] : Math.hypot(...values);
-    return chart === "gyro" ? (size * 180) / Math.PI : size;
+    return chart === "gyro" ? number((size * 180) / Math.PI, 100) : number(size, 10);
   }
 
   // --- the body in space ---
@@ -142,8 +142,9 @@ class Page {
       });
     }
     const { truth, answers, imus } = this.data.space;
-    const there = { estimate: truth && answers.length, imu: imus.length, trails: truth?.p };
-    for (const button of buttons) button.hidden = !(there[button.dataset.part] ?? true);
+    const missing = { estimate: !truth || !answers.length, imu: !imus.length, trails: !truth?.p };
+    for (const button of buttons) button.hidden = missing[button.dataset.part] ?? false;
+    if (!truth) find("[data-part=body]").lastChild.textContent = "body, as estimated";
     find("#reset").addEventListener("click", () => scene.reset());
     new ResizeObserver(() => scene.resize()).observe(scene.canvas);
     this.preparePointer(scene.canvas);

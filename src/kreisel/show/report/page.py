@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterable, Sequence
 from html import escape
 from importlib.resources import files
@@ -19,7 +20,7 @@ from kreisel.study.account import Account
 # In this order: each uses what those before it define.
 _SCRIPTS = ("tracks.js", "scene.js", "charts.js", "page.js")
 
-_COLUMNS = ("IMU", "filter", "total", "heading", "inclination", "largest", "below 5° after")
+_COLUMNS = ("filter", "total", "heading", "inclin.", "largest", "below 5° after")
 
 
 def page(account: Account) -> str:
@@ -27,7 +28,6 @@ def page(account: Account) -> str:
     library("bokeh", "report", "a report")
     on = lines.timeline(account)
     data, charts = _data(account, on)
-    documents, places = _bokeh_documents(charts, on)
     return Template(_part("report.html")).substitute(
         title=escape(account.name or "recording"),
         colours=css_variables(),
@@ -35,13 +35,16 @@ def page(account: Account) -> str:
         subtitle=escape(_subtitle(account, on)),
         imus=_options(reading.mount.name for reading in account.readings),
         filters=_options(dict.fromkeys(answer.filter for answer in account.answers)),
-        errors=_table(_COLUMNS, facts.errors_table(account)),
+        errors=_errors(account),
+        source="Scenario" if account.report else "Recording",
         facts=_rows(facts.facts(account, on)),
         notes="".join(f"<li>{escape(note)}</li>" for note in facts.notes(account)),
-        keys=_rows(facts.every_key(account.report.get("scenario", {}))),
-        charts="\n".join(_section(chart, wide=k == 0 and len(charts) % 2 == 1) for k, chart in enumerate(charts)),
+        keys=_keys(account),
+        charts="\n".join(
+            _section(chart, wide=k == 0 and len(charts) % 2 == 1) for k, chart in enumerate(charts)
+        ),
         bokeh=_bokeh_script(),
-        data=_json({**data, "documents": documents, "places": places}),
+        data=_json({**data, **_bokeh_documents(charts, on)}),
         script="\n".join(_part(name) for name in _SCRIPTS),
     )
 
@@ -52,9 +55,7 @@ def _data(account: Account, on: lines.Timeline) -> tuple[dict[str, Any], list[Ch
     layers = {
         "motion": [lines.motion_layer(account, on)],
         "readings": [lines.reading_layer(account, reading, on) for reading in account.readings],
-        "answers": [
-            lines.answer_layer(account, by_name[a.imu], a, on) for a in account.answers
-        ],
+        "answers": [lines.answer_layer(account, by_name[a.imu], a, on) for a in account.answers],
     }
     charts = charts_with({name for several in layers.values() for layer in several for name in layer.lines})
     data: dict[str, Any] = {
@@ -66,7 +67,7 @@ def _data(account: Account, on: lines.Timeline) -> tuple[dict[str, Any], list[Ch
     return {**data, "start": on.start, "end": on.end, "space": space(account, on)}, charts
 
 
-def _bokeh_documents(charts: Sequence[Chart], on: lines.Timeline) -> tuple[Any, Any]:
+def _bokeh_documents(charts: Sequence[Chart], on: lines.Timeline) -> dict[str, Any]:
     """The plots as BokehJS takes them, and the elements of the page they go into."""
     from bokeh.document import Document
     from bokeh.embed.util import standalone_docs_json_and_render_items
@@ -74,12 +75,19 @@ def _bokeh_documents(charts: Sequence[Chart], on: lines.Timeline) -> tuple[Any, 
     document = Document()
     for plot in plots(list(charts), on.start, on.end):
         document.add_root(plot)
-    documents, (item,) = standalone_docs_json_and_render_items(document)
-    places = item.to_json()
-    places["roots"] = {
-        root: f"plot-{chart.name}" for root, chart in zip(places["roots"], charts, strict=True)
-    }
-    return documents, [places]
+    found, (item,) = standalone_docs_json_and_render_items(document)
+    roots = {root: f"plot-{chart.name}" for root, chart in zip(item.to_json()["roots"], charts, strict=True)}
+    places = [{"docid": "charts", "roots": roots, "root_ids": list(roots)}]
+    return _renumbered({"documents": {"charts": next(iter(found.values()))}, "places": places})
+
+
+def _renumbered(made: dict[str, Any]) -> dict[str, Any]:
+    """Bokeh counts its models through the life of the process; the same run is to give the same page."""
+    text = json.dumps(made)
+    ids = dict.fromkeys(re.findall(r'"(p\d{4,})"', text))
+    new = {old: f'"m{k}"' for k, old in enumerate(ids)}
+    renumbered: dict[str, Any] = json.loads(re.sub(r'"(p\d{4,})"', lambda found: new[found[1]], text))
+    return renumbered
 
 
 def _bokeh_script() -> str:
@@ -120,6 +128,21 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return f"<thead><tr>{heads}</tr></thead><tbody>{body}</tbody>"
 
 
+def _errors(account: Account) -> str:
+    if not account.answers or account.truth is None:
+        return ""
+    table = _table(_COLUMNS, facts.errors_table(account))
+    head = "<h2>Attitude errors: RMSE and largest, deg</h2>"
+    return f'{head}<div class="scroll"><table id="errors">{table}</table></div>'
+
+
+def _keys(account: Account) -> str:
+    if not account.report:
+        return ""
+    rows = _rows(facts.every_key(account.report["scenario"]))
+    return f'<details><summary>every key</summary><table class="facts keys"><tbody>{rows}</tbody></table></details>'
+
+
 def _section(chart: Chart, wide: bool) -> str:
     """The element of a chart: its title, its legend, its plot."""
     entries = {trace.entry: trace for trace in chart.traces}
@@ -134,7 +157,9 @@ def _section(chart: Chart, wide: bool) -> str:
 
 
 def _entry(entry: str, colour: str, broad: bool) -> str:
-    look = f'class="swatch{" broad" if broad else ""}" style="--colour: var(--{"faint" if broad else colour})"'
+    look = (
+        f'class="swatch{" broad" if broad else ""}" style="--colour: var(--{"faint" if broad else colour})"'
+    )
     value = "" if broad else "<output></output>"
     return (
         f'<button type="button" aria-pressed="true" data-entry="{escape(entry)}" title="show or hide {escape(entry)}">'

@@ -17,6 +17,7 @@ _LIGHT = {
     "path": style.PATH,
     "shadow": style.SHADOW,
     **dict(zip("xyz", style.XYZ, strict=True)),
+    **{f"imu-{k}": colour for k, colour in enumerate(style.IMU)},
 }
 
 # Lighter twins of the same hues: each has a contrast of 4.5 or more on the dark panel.
@@ -35,6 +36,10 @@ _DARK = {
     "x": "#FF8A3D",
     "y": "#2BC79A",
     "z": "#5DB7EE",
+    "imu-0": "#C77DFF",
+    "imu-1": "#9D6BE0",
+    "imu-2": "#E0AAFF",
+    "imu-3": "#B4A0F0",
 }
 
 _EITHER = {

@@ -52,7 +52,7 @@ class Scene {
     const across = Math.hypot(x, y);
     const tilt = (Math.abs(this.view.elevation) * Math.PI) / 180;
     const tall = z * Math.cos(tilt) + across * Math.sin(tilt);
-    return 0.9 * this.distance * Math.min((0.46 * this.width) / across, (0.42 * this.height) / tall);
+    return 0.9 * this.distance * Math.min((0.46 * this.width) / across, (0.45 * this.height) / tall);
   }
 
   /** Pixel of a point in N about the centre of the box. */
@@ -102,16 +102,34 @@ class Scene {
     this.stroke(pen, p, colour("path"), 1, (k) => [p[k], p[k + 1], p[k + 2]], 0.55);
   }
 
-  // Points that fall on the pixel of the one before are left out: ten minutes are a hundred laps of one loop.
+  // Of what has been drawn already nothing is drawn again: ten minutes can be a hundred laps of one loop.
   stroke(pen, p, style, width, point, alpha = 1) {
+    const across = Math.ceil(this.width / 2);
+    const taken = new Int32Array(across * Math.ceil(this.height / 2));
+    let drawn = 4;
     pen.beginPath();
-    let [u, v] = [Infinity, Infinity];
-    for (let k = 0; k < p.length; k += 3) {
-      const [x, y] = this.seen(point(k));
-      if (Math.abs(x - u) + Math.abs(y - v) < 1.5 && k + 3 < p.length) continue;
-      if (k) pen.lineTo(x, y);
-      else pen.moveTo(x, y);
-      [u, v] = [x, y];
+    let [x, y] = this.seen(point(0));
+    let joined = false;
+    for (let k = 3; k < p.length; k += 3) {
+      const [u, v] = this.seen(point(k));
+      const steps = Math.ceil(Math.max(Math.abs(u - x), Math.abs(v - y)) / 2);
+      // Less than a pixel waits for the next point.
+      if (!steps || (steps === 1 && Math.abs(u - x) + Math.abs(v - y) < 1)) continue;
+      // Seen from very near, pieces are longer than the canvas, and few.
+      let fresh = steps > across;
+      drawn += 1;
+      for (let n = 0; n <= steps && steps <= across; n++) {
+        const column = (x + ((u - x) * n) / steps) >> 1;
+        if (column < 0 || column >= across) continue;
+        const cell = ((y + ((v - y) * n) / steps) >> 1) * across + column;
+        // The pieces just before share their cells with this one.
+        fresh ||= !taken[cell] || drawn - taken[cell] < 4;
+        taken[cell] ||= drawn;
+      }
+      if (fresh && !joined) pen.moveTo(x, y);
+      if (fresh) pen.lineTo(u, v);
+      joined = fresh;
+      [x, y] = [u, v];
     }
     pen.globalAlpha = alpha;
     pen.strokeStyle = style;
@@ -129,42 +147,54 @@ class Scene {
     pen.lineWidth = 1;
     pen.strokeStyle = colour("grid");
     pen.fillStyle = colour("faint");
+    const rim = [[-hx, -hy], [hx, -hy], [hx, hy], [-hx, hy], [-hx, -hy]].map(([x, y]) => this.seen([x, y, -hz]));
+    rim.slice(1).forEach((corner, k) => line(pen, rim[k], corner));
     for (const x of ticks(centre[0] - hx, centre[0] + hx, step)) {
       const u = x - centre[0];
       line(pen, this.seen([u, -hy, -hz]), this.seen([u, hy, -hz]));
-      if (!this.space.still) this.label(pen, tidy(x, step), [u, nearY * 1.08, -hz]);
+      if (!this.space.still) this.beyond(pen, tidy(x, step), [u, 0, -hz], [u, nearY, -hz], 15);
     }
     for (const y of ticks(centre[1] - hy, centre[1] + hy, step)) {
       const v = y - centre[1];
       line(pen, this.seen([-hx, v, -hz]), this.seen([hx, v, -hz]));
-      if (!this.space.still) this.label(pen, tidy(y, step), [nearX * 1.08, v, -hz]);
+      if (!this.space.still) this.beyond(pen, tidy(y, step), [0, v, -hz], [nearX, v, -hz], 15);
     }
     if (this.space.still) return;
-    this.label(pen, "east [m]", [0, nearY * 1.24, -hz]);
-    this.label(pen, "north [m]", [nearX * 1.24, 0, -hz]);
-    this.drawHeights(pen, step);
+    this.beyond(pen, "east [m]", [0, 0, -hz], [0, nearY, -hz], 40);
+    this.beyond(pen, "north [m]", [0, 0, -hz], [nearX, 0, -hz], 46);
+    this.drawHeights(pen);
   }
 
   // A pole with heights at that upright edge of the box which is seen furthest to the left.
-  drawHeights(pen, step) {
+  drawHeights(pen) {
     const [hx, hy, hz] = this.space.half;
-    const edges = [[-hx, -hy], [-hx, hy], [hx, -hy], [hx, hy]].map(([x, y]) => [x * 1.06, y * 1.06]);
-    const [x, y] = edges.reduce((a, b) => (this.seen([...a, 0])[0] < this.seen([...b, 0])[0] ? a : b));
+    const step = niceStep((2 * hz) / 4);
+    const [x, y] = this.leftmost(1.06);
     line(pen, this.seen([x, y, -hz]), this.seen([x, y, hz]));
     const up = this.space.centre[2];
     for (const z of ticks(up - hz, up + hz, step)) {
       const [u, v] = this.seen([x, y, z - up]);
       line(pen, [u - 4, v], [u, v]);
-      text(pen, tidy(z, step), u - 8, v, "right");
+      // On a narrow screen there is no room to the left.
+      if (u < 40) text(pen, tidy(z, step), u + 5, v, "left");
+      else text(pen, tidy(z, step), u - 8, v, "right");
     }
     const [u, v] = this.seen([x, y, hz]);
-    text(pen, "up [m]", u, v - 12, "center");
+    text(pen, "up [m]", Math.max(u, 24), v - 12, "center");
+  }
+
+  leftmost(scale) {
+    const [hx, hy] = this.space.half.map((half) => scale * half);
+    const edges = [[-hx, -hy], [-hx, hy], [hx, -hy], [hx, hy]];
+    return edges.reduce((a, b) => (this.seen([...a, 0])[0] < this.seen([...b, 0])[0] ? a : b));
   }
 
   // East, north and up from the far corner of the floor, and which way gravity pulls.
   drawAxes(pen) {
     const [hx, hy, hz] = this.space.half;
-    const corner = [this.towards[0] > 0 ? -hx : hx, this.towards[1] > 0 ? -hy : hy, -hz];
+    const far = [this.towards[0] > 0 ? -hx : hx, this.towards[1] > 0 ? -hy : hy];
+    // A body that has no path stands in the middle, and hides the far corner.
+    const corner = [...(this.space.still ? this.leftmost(1) : far), -hz];
     const long = 0.5 * Math.min(hx, hy, hz * 2);
     pen.lineWidth = 2;
     [["E", "x"], ["N", "y"], ["U", "z"]].forEach(([name, style], k) => {
@@ -177,6 +207,13 @@ class Scene {
     pen.strokeStyle = pen.fillStyle = colour("faint");
     arrow(pen, this.seen(above), this.seen([corner[0], corner[1], hz - 0.7 * long]));
     this.label(pen, "g", [corner[0], corner[1], hz + 0.14 * long], true);
+  }
+
+  /** Words so many pixels beyond the rim of the floor, on the way out from a point inside. */
+  beyond(pen, words, inside, rim, pixels) {
+    const [[x, y], [u, v]] = [this.seen(inside), this.seen(rim)];
+    const far = pixels / (Math.hypot(u - x, v - y) || 1);
+    text(pen, words, u + far * (u - x), v + far * (v - y), "center");
   }
 
   label(pen, words, point, bold = false) {
@@ -255,7 +292,7 @@ class Scene {
       if (k === this.imu) this.drawSensor(at, R, imu.R.flat());
       pen.strokeStyle = colour("ink");
       pen.lineWidth = 1;
-      this.dot(at, k === this.imu ? 5 : 3.5, imu.colour);
+      this.dot(at, k === this.imu ? 5 : 3.5, colour(imu.colour));
     });
   }
 
@@ -278,7 +315,7 @@ class Scene {
     this.fade(places, colour("accent"), 3);
     if (!imu || !this.shown.imu || Math.hypot(...imu.p) < 1e-3 * this.reach) return;
     const trail = (track) => places.map((p, k) => moved(track.turn(times[k]), imu.p, p));
-    this.fade(trail(this.truth), imu.colour, 1.6);
+    this.fade(trail(this.truth), colour(imu.colour), 1.6);
     if (this.shown.estimate && answer) this.fade(trail(answer), colour("estimate"), 1.2);
   }
 

@@ -18,6 +18,9 @@ from kreisel.study.account import Account, Answer, body_path, sensor_attitude
 
 _BODY_SHARE = 0.2
 
+# Half the sides of the room around a body of which nobody knows where it is, in lengths of the body.
+_ROOM = (0.9, 0.9, 0.6)
+
 # A screen shows no more frames in a second; the page puts a smooth curve through what is left of them.
 _FASTEST_HZ = 60.0
 _MOST_ROWS = 40_000  # of all tracks together: some 1.2 MB as text
@@ -33,6 +36,8 @@ def space(account: Account, on: Timeline) -> dict[str, Any]:
     on_stage = staged(p, [], mounts, _BODY_SHARE)
     centre = 0.5 * (on_stage.low + on_stage.high)
     half = 0.5 * (on_stage.high - on_stage.low)
+    if still:
+        half = on_stage.length * np.array(_ROOM)
     return {
         "still": still,
         "centre": centre.tolist(),
@@ -43,12 +48,7 @@ def space(account: Account, on: Timeline) -> dict[str, Any]:
         "truth": _true_track(account, on, rows, centre),
         "answers": [_answer_track(answer, mounts, on, rows) for answer in account.answers],
         "imus": [
-            {
-                "name": mount.name,
-                "p": mount.p_BS.tolist(),
-                "R": mount.R_BS.tolist(),
-                "colour": style.IMU[k % len(style.IMU)],
-            }
+            {"p": mount.p_BS.tolist(), "R": mount.R_BS.tolist(), "colour": f"imu-{k % len(style.IMU)}"}
             for k, mount in enumerate(mounts)
         ],
     }
