@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
 from kreisel import __version__, discovery
+from kreisel.cli.values import UsageError
 
 COMMANDS = "kreisel.cli.commands"
 
@@ -49,6 +50,9 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Say in one line what is wrong, or what was meant."""
+        refused = sys.exception()
+        if refused is not None and isinstance(refused.__context__, UsageError):
+            raise UsageError(_about(refused, refused.__context__)) from None
         import difflib
 
         words = self._words()
@@ -70,6 +74,15 @@ class _Parser(argparse.ArgumentParser):
             if isinstance(action, argparse._SubParsersAction):
                 words += [*action.choices, *(w for sub in action.choices.values() for w in sub._words())]
         return words
+
+
+def _about(refused: BaseException, error: UsageError) -> str:
+    """The sentence about a value that an option refused, beginning with the option."""
+    name = (getattr(refused, "argument_name", None) or "").rpartition("/")[2]
+    text = str(error).strip()
+    if text.startswith("-"):
+        return text
+    return f"{name} {text}" if text.startswith(("must ", "takes ")) else f"{name}: {text}"
 
 
 def build_parser(command: str | None = None) -> argparse.ArgumentParser:
@@ -121,6 +134,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except OSError as error:
         named = f"{error.filename}: {error.strerror}" if error.filename and error.strerror else str(error)
         return _complain(named, 1)
+    except UsageError as error:
+        return _complain(str(error), 2)
     except (ValueError, TypeError) as error:
         return _complain(str(error), 1)
 

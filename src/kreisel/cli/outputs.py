@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-from argparse import ArgumentTypeError
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,8 +12,9 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol, TextIO, TypeVar
 import numpy as np
 
 from kreisel.atomic import is_standard_output, refuse_unwritable, replacing
+from kreisel.cli.values import UsageError, as_typed
 from kreisel.data.motion import Motion, Mount, Note
-from kreisel.files.doors import suffix, write
+from kreisel.files.doors import format_to_write, suffix, write
 
 if TYPE_CHECKING:
     from kreisel.data.increments import ImuIncrements
@@ -77,10 +77,14 @@ class Simulation:
 def output_folder(text: str) -> Path:
     """The folder that an option names; for argparse, as `type`."""
     if not text.strip():
-        raise ArgumentTypeError(
-            "takes the name of a folder; got an empty one. Write . for the current folder"
-        )
+        raise UsageError("takes the name of a folder; got an empty one. Write . for the current folder.")
     return Path(text)
+
+
+def check_format(output: str, format: str | None = None) -> None:
+    """Refuse a file to write whose format neither `format` nor its suffix tells, before anything is done for it."""
+    with as_typed():
+        format_to_write(output, format)
 
 
 def summary_stream(output: str) -> TextIO:

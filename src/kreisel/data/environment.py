@@ -9,6 +9,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from kreisel.data.cards import Shown
 from kreisel.data.checks import Array, finite, instance, scalar, shaped
 
 STANDARD_GRAVITY = 9.80665
@@ -33,7 +34,7 @@ class Disturbance(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Environment:
+class Environment(Shown):
     """Surroundings of the body, in N (east, north, up)."""
 
     g_N: Array = field(default_factory=lambda: np.array([0.0, 0.0, -STANDARD_GRAVITY]))  # (3,) m/s^2

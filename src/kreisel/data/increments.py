@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from kreisel.data.cards import Card, Shown, course, span
 from kreisel.data.checks import Array, increasing, shaped
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ImuIncrements:
+class ImuIncrements(Shown):
     """Compensated increments in sensor axes S: row k spans t[k] to t[k + 1]. A NaN row is a missing interval.
 
     Coning and sculling are in them: dtheta = Log(R_k^T R_k+1) and dv = R_k^T (v_k+1 - v_k - g dt) bring
@@ -37,3 +38,9 @@ class ImuIncrements:
 
     def __len__(self) -> int:
         return len(self.dtheta)
+
+    def card(self) -> Card:
+        """What the increments of each kind span."""
+        parts = (("dtheta", "rad", self.dtheta), ("dv", "m/s", self.dv), ("dp", "m", self.dp))
+        rows = [(name, unit, "S", span(x)) for name, unit, x in parts if x is not None]
+        return Card(course(self, self.t), ("", "unit", "frame", "span"), rows)

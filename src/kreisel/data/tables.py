@@ -11,11 +11,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.data.cards import Card, Shown, course, span
+
 if TYPE_CHECKING:
     import pandas
     import xarray
 
 AXES = ("x", "y", "z")
+
+_NOTES = 5
+"""Notes that a notebook shows below a table."""
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -65,10 +70,16 @@ CONSTANTS = ("gyro_noise", "accel_noise", "mag_noise_uT")
 """Those of them with one value per axis, (3,), for all rows."""
 
 
-class Tabular:
+class Tabular(Shown):
     """What a noun of arrays over time gains: the tables others work with."""
 
     __slots__ = ()
+
+    def card(self) -> Card:
+        """One row per field: what it measures, in which unit and axes, and what it spans."""
+        t = self.t  # type: ignore[attr-defined]
+        notes = getattr(self, "notes", ())
+        return Card(course(self, t), ("", "unit", "frame", "span", "meaning"), _described(self), _said(notes))
 
     def to_pandas(self) -> pandas.DataFrame:
         """One row per time stamp, indexed by t in s; attitude as the quaternion q_w, q_x, q_y, q_z.
@@ -118,6 +129,21 @@ def arrays_of(data: Any) -> Iterator[tuple[str, npt.NDArray[Any]]]:
         value = getattr(data, field.name)
         if isinstance(value, np.ndarray):
             yield field.name, value
+
+
+def _described(data: Any) -> Iterator[tuple[str, str, str, str, str]]:
+    for name, array in arrays_of(data):
+        quantity = QUANTITIES[name]
+        # Elements of a matrix of directions say nothing.
+        spanned = "" if array.ndim == 3 else span(array)
+        unit = "" if quantity.unit == "1" else quantity.unit
+        yield name, unit, quantity.frame, spanned, quantity.meaning
+
+
+def _said(notes: tuple[Any, ...]) -> tuple[str, ...]:
+    """The first notes, and how many there are beside them."""
+    texts = tuple(note.text for note in notes[:_NOTES])
+    return texts if len(notes) <= _NOTES else (*texts, f"and {len(notes) - _NOTES} more notes")
 
 
 def _about(data: Any) -> dict[str, Any]:

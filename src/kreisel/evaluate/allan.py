@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.data.cards import Card, Shown
 from kreisel.data.checks import Array, as_array, choice, finite, instance, read_only, scalar
 from kreisel.data.noise import NoiseModel
 from kreisel.data.recording import SOURCE, ImuRecording
@@ -54,7 +55,7 @@ class AllanTerm:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class AllanFit:
+class AllanFit(Shown):
     """Allan deviation of one sensor at rest, with the noise read from it; unit u is rad/s or m/s^2."""
 
     sensor: str  # "gyro" or "accel"
@@ -69,6 +70,15 @@ class AllanFit:
     B: AllanTerm  # u; the deviation's floor is 0.664 B
     K: AllanTerm  # u/sqrt(s)
 
+    def card(self) -> Card:
+        """The three terms per axis, with their 95 % intervals."""
+        rows = [
+            (f"{name}, {unit}", *_told(getattr(self, name)))
+            for name, unit in _term_units(self.sensor).items()
+        ]
+        title = f"AllanFit of {self.sensor}: {self.samples} samples at {self.rate_hz:.4g} Hz"
+        return Card(title, ("", "x", "y", "z"), rows, ("95 % intervals in brackets",))
+
     @property
     def noise(self) -> NoiseModel:
         """The terms that are visible, for a simulated sensor; what is not visible is zero."""
@@ -77,6 +87,17 @@ class AllanFit:
     def model(self, tau: Array) -> Array:
         """Allan deviation (k, 3) of the terms that are visible, at averaging times `tau` (k,) s."""
         return self.noise.allan_deviation(tau)
+
+
+def _term_units(sensor: str) -> dict[str, str]:
+    unit = {"gyro": "rad/s", "accel": "m/s^2"}[sensor]
+    return dict(zip(TERMS, (f"{unit}/sqrt(Hz)", unit, f"{unit}/sqrt(s)"), strict=True))
+
+
+def _told(term: AllanTerm) -> list[str]:
+    """Value and interval per axis, or what a hidden term is less than."""
+    axes = zip(term.value, term.low, term.high, term.visible, strict=True)
+    return [f"{v:.3g} ({a:.3g} to {b:.3g})" if shown else f"hidden, < {b:.3g}" for v, a, b, shown in axes]
 
 
 def allan(recording: ImuRecording, sensor: str = "gyro") -> AllanFit:

@@ -120,17 +120,19 @@ def write(path: PathLike, data: Noun, format: str | None = None) -> None:
     if not isinstance(data, Noun):
         nouns = "Poses, Motion, ImuRecording, AttitudeHistory or Reference"
         raise TypeError(f"data must be {nouns}; got {type(data).__name__}.")
-    if not format:
-        module = _by_suffix(Path(path))
-    else:
-        # One that is only read has a word of its own to say.
-        module = format_named(
-            format if format in format_names() else choice("format", format, writable_names())
-        )
+    module = format_to_write(path, format)
     if len(data) == 0:
         raise ValueError(f"nothing to write to {path}: the data has no rows.")
     with new_folder(path) if _is_folder(module) else replacing(path) as out:
         module.write(data, out)
+
+
+def format_to_write(path: PathLike, format: str | None = None) -> ModuleType:
+    """The format named, else that of the suffix of `path`; ValueError with the nearest name where there is none."""
+    if not format:
+        return _by_suffix(Path(path))
+    # One that is only read has a word of its own to say.
+    return format_named(format if format in format_names() else choice("format", format, writable_names()))
 
 
 def _is_folder(module: ModuleType) -> bool:

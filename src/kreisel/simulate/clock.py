@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.data.cards import Shown
 from kreisel.data.checks import Array, read_only, scalar
 from kreisel.maths.random import Stream
 from kreisel.maths.window import mean_over_window
@@ -62,7 +63,7 @@ class Sampling:
 
 
 @dataclass(frozen=True, slots=True)
-class Clock:
+class Clock(Shown):
     """What an IMU's clock makes of time.
 
     offset: s, and rate_offset (5e-5 is 50 ppm, fast): true time t is stamped t + offset + rate_offset (t - t[0]).

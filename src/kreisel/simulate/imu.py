@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kreisel.data.cards import Shown
 from kreisel.data.checks import Array, choice, instance, read_only, whole_number
 from kreisel.data.environment import Environment
 from kreisel.data.increments import ImuIncrements
@@ -38,7 +39,7 @@ FARTHEST = 1e5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Imu:
+class Imu(Shown):
     """An inertial measurement unit at a place on the body.
 
     The effects of a sensor act in the order given, from the outer world to the output: commonly

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from kreisel.data.cards import Card, Shown, course, span
 from kreisel.data.checks import Array
 from kreisel.data.recording import ImuRecording
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Recorded:
+class Recorded(Shown):
     """A recording and its truth, row by row; NaN where a sensor gave no sample."""
 
     measured: ImuRecording
@@ -23,6 +24,26 @@ class Recorded:
     disturbance_N_uT: Array | None = (
         None  # (n, 3) in N, added by the world to the field at the sensor; None: nothing
     )
+
+    def card(self) -> Card:
+        """What each sensor read, what it should have read, and its bias."""
+        sensors = [name for name in ("gyro", "accel", "mag_uT") if getattr(self.measured, name) is not None]
+        biases = {"gyro": self.gyro_bias, "accel": self.accel_bias}
+        rows = [
+            (
+                name,
+                span(getattr(self.measured, name)),
+                span(getattr(self.ideal, name)),
+                span(biases[name]) if name in biases else "",
+            )
+            for name in sensors
+        ]
+        return Card(
+            course(self, self.measured.t),
+            ("", "measured", "ideal", "bias"),
+            rows,
+            (f"seed {self.seed}, run {self.run}",),
+        )
 
     def errors(self, sensor: str) -> dict[str, Array]:
         """What each effect of `sensor` ("gyro", "accel" or "mag_uT") added, by its name: (n, 3), sensor's unit.

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from kreisel.data.cards import Shown
 from kreisel.data.checks import choice, file_name, finite_number
 from kreisel.data.trajectory import Trajectory
 from kreisel.study.values import Vector, calendar_day, plain, unlike, vector
@@ -120,7 +121,7 @@ class EnvironmentRecipe:
 
 
 @dataclass(frozen=True)
-class Scenario:
+class Scenario(Shown):
     """A recipe from which `study.run` makes the same result every time.
 
     Round-trips through TOML, but for a trajectory that is an object rather than a recipe.

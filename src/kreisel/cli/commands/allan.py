@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kreisel.cli.inputs import add_input_arguments, check_units, read_input
+from kreisel.cli.values import number
 from kreisel.data.checks import SAME_INSTANT
 
 if TYPE_CHECKING:
@@ -46,10 +47,16 @@ def configure(parser: ArgumentParser) -> None:
         "-o", "--output", metavar="FOLDER", help="folder for pictures, allan.json and preset.toml"
     )
     parser.add_argument(
-        "--start", type=float, metavar="S", help="leave out what comes before, s after the first sample"
+        "--start",
+        type=number("seconds"),
+        metavar="S",
+        help="leave out what comes before, s after the first sample",
     )
     parser.add_argument(
-        "--end", type=float, metavar="S", help="leave out what comes after, s after the first sample"
+        "--end",
+        type=number("seconds"),
+        metavar="S",
+        help="leave out what comes after, s after the first sample",
     )
     parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
     parser.add_argument("--trust-units", action="store_true", help="go on where units look impossible")

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kreisel.cli.outputs import Output, check_outputs, output_folder, picture, write_json, write_outputs
+from kreisel.cli.values import one_of
 
 if TYPE_CHECKING:
     from kreisel.study.broad import Score
@@ -47,6 +48,7 @@ def configure(parser: ArgumentParser) -> None:
         "--filter",
         action="append",
         metavar="NAME",
+        type=one_of(_filter_names),
         help="a filter to run; may be given several times (default: ours, and all others installed)",
     )
     parser.add_argument(
@@ -75,13 +77,18 @@ def run(args: Namespace) -> int:
     return 0
 
 
-def _chosen(asked: Sequence[str] | None) -> list[str]:
-    """The filters to run, each once; those that are not installed only where they were asked for."""
-    from kreisel.data.checks import choice
+def _filter_names() -> list[str]:
     from kreisel.study import broad
 
-    known = broad.filter_names()
-    names = [choice("--filter", name, known) for name in asked or known if asked or broad.installed(name)]
+    return broad.filter_names()
+
+
+def _chosen(asked: Sequence[str] | None) -> list[str]:
+    """The filters to run, each once; those that are not installed only where they were asked for."""
+    from kreisel.study import broad
+
+    known = _filter_names()
+    names = [name for name in asked or known if asked or broad.installed(name)]
     if broad.installed(broad.YARDSTICK):
         names.append(broad.YARDSTICK)
     return list(dict.fromkeys(names))

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from kreisel.cli.inputs import add_input_arguments, read_input
+from kreisel.cli.values import UsageError, number
 from kreisel.data.calibration import Calibration, TriadCalibration
-from kreisel.data.checks import scalar
 from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.recording import ImuRecording
 
@@ -49,11 +49,14 @@ def configure(parser: ArgumentParser) -> None:
     for name, text in zip(_SENSORS, ("gyroscope", "accelerometer", "magnetometer"), strict=True):
         parser.add_argument(f"--{name}", action="store_true", help=f"calibrate the {text}")
     parser.add_argument(
-        "--field-ut", type=float, metavar="UT", help="strength of the magnetic field, microtesla"
+        "--field-ut",
+        type=number("microtesla", lowest=1.0, highest=1000.0),
+        metavar="UT",
+        help="strength of the magnetic field, microtesla",
     )
     parser.add_argument(
         "--gravity",
-        type=float,
+        type=number("m/s^2", lowest=0.1, highest=100.0),
         metavar="M/S2",
         help="gravity where the accelerometer was calibrated (default: the standard one, 9.80665; it is 9.78 at the "
         "equator, 9.83 at the poles)",
@@ -87,18 +90,14 @@ def run(args: Namespace) -> int:
 
 
 def _check_options(args: Namespace) -> None:
-    """Refuse numbers that cannot be before anything is read, as without flags a sensor that fails is only noted."""
+    """Refuse options that contradict each other."""
     asked = [f"--{name}" for name in _SENSORS if getattr(args, name)]
     given = {"--field-ut": args.field_ut, "--gravity": args.gravity}
     numbers = [option for option, value in given.items() if value is not None]
     if args.apply is not None and (asked or numbers):
-        raise ValueError(
+        raise UsageError(
             f"--apply takes off all that {args.apply} holds; {', '.join([*asked, *numbers])} belongs to a calibration."
         )
-    if args.field_ut is not None:
-        scalar("--field-ut", args.field_ut, "uT", 1.0, 1000.0)
-    if args.gravity is not None:
-        scalar("--gravity", args.gravity, "m/s^2", 0.1, 100.0)
 
 
 def _apply(args: Namespace, recording: ImuRecording) -> int:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kreisel.cli.outputs import Output, describe_notes, output_folder, picture, write_json, write_outputs
+from kreisel.cli.values import as_typed, number, one_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -58,13 +59,22 @@ def configure(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--pose-rate",
-        type=float,
+        type=number("hertz", above=0.0),
         metavar="HZ",
         help="rate of the cameras, where the file has more poses than they saw: in-between ones are left out",
     )
-    parser.add_argument("--method", default="auto", help="auto (default), spline or smooth")
     parser.add_argument(
-        "--search", type=float, default=0.5, metavar="S", help="how far the clocks may be apart (0.5 s)"
+        "--method",
+        default="auto",
+        type=one_of(("auto", "spline", "smooth")),
+        help="auto (default), spline or smooth",
+    )
+    parser.add_argument(
+        "--search",
+        type=number("seconds", lowest=0.0),
+        default=0.5,
+        metavar="S",
+        help="how far the clocks may be apart (0.5 s)",
     )
     parser.add_argument(
         "-o",
@@ -79,7 +89,7 @@ def configure(parser: ArgumentParser) -> None:
         parser.add_argument(
             f"--max-{sensor}-rmse",
             dest=sensor,
-            type=float,
+            type=number(_UNITS[sensor], lowest=0.0),
             metavar="RMSE",
             help=f"largest RMSE of the {sensor} allowed over its axes, {unit}",
         )
@@ -96,7 +106,8 @@ def run(args: Namespace) -> int:
     if args.imu is not None:
         from kreisel.cli.commands.simulate import parse_mount
 
-        mount = parse_mount(args.imu)
+        with as_typed():
+            mount = parse_mount(args.imu)
     found = align(recording, trajectory, **_estimate(args.estimate), mount=mount, search=args.search)
     notes = [*trajectory.sample(trajectory.t[:1]).notes, *found.notes]
     limits = _limits(args, found)
@@ -141,22 +152,24 @@ def _inputs(args: Namespace) -> tuple[ImuRecording, Poses, str]:
 
 
 def _trajectory(args: Namespace, poses: Poses) -> SampledTrajectory:
-    from kreisel.data.checks import choice
     from kreisel.simulate.trajectories.sampled import SampledTrajectory
 
-    choice("--method", args.method, ("auto", "spline", "smooth"))
     if args.pose_rate is not None:
         poses = poses.thinned(args.pose_rate)
     return SampledTrajectory.from_poses(poses, method=args.method)
 
 
 def _estimate(text: str | None) -> dict[str, Any]:
+    from kreisel.data.checks import choice
     from kreisel.evaluate.align.parameters import SIZES
 
     if text is None:
         return {}
     names = {"all": list(SIZES), "none": []}.get(text.strip())
-    return {"estimate": [part.strip() for part in text.split(",")] if names is None else names}
+    if names is None:
+        with as_typed():
+            names = [choice("--estimate", part.strip(), tuple(SIZES)) for part in text.split(",")]
+    return {"estimate": names}
 
 
 def _limits(args: Namespace, found: Alignment) -> list[dict[str, Any]]:

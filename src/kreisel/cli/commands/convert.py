@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 
-from kreisel.cli.inputs import add_input_arguments, read_input
-from kreisel.cli.outputs import summary_stream
-from kreisel.data.checks import choice
+from kreisel.cli.inputs import add_input_arguments, read_input, world
+from kreisel.cli.outputs import check_format, summary_stream
+from kreisel.cli.values import one_of
 from kreisel.data.frames import WORLDS, from_enu_flu
 from kreisel.files.doors import writable_names, write
 
@@ -27,11 +27,17 @@ def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     add_input_arguments(parser)
     parser.add_argument("output", metavar="OUT", help="file to write; its suffix tells the format")
-    parser.add_argument("--to", metavar="FORMAT", help=f"format of the output: {', '.join(writable_names())}")
+    parser.add_argument(
+        "--to",
+        metavar="FORMAT",
+        type=one_of(writable_names),
+        help=f"format of the output: {', '.join(writable_names())}",
+    )
     parser.add_argument(
         "--to-frame",
         default="enu-flu",
         metavar="WORLD",
+        type=world,
         help=f"world of the output: {', '.join(WORLDS)} (default: enu-flu)",
     )
     parser.epilog = _EXAMPLES
@@ -39,7 +45,7 @@ def configure(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Read, turn, write."""
-    choice("--to-frame", args.to_frame, tuple(WORLDS))
+    check_format(args.output, args.to)
     data = from_enu_flu(read_input(args), args.to_frame)
     write(args.output, data, args.to)
     span = data.t[-1] - data.t[0]

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 
 from kreisel.cli.filters import add_filter_arguments, chosen_filter, tuning_help
-from kreisel.cli.inputs import add_input_arguments, check_units, read_content
-from kreisel.cli.outputs import summary_stream
+from kreisel.cli.inputs import add_input_arguments, check_units, read_content, world
+from kreisel.cli.outputs import check_format, summary_stream
+from kreisel.cli.values import UsageError, one_of
 from kreisel.data.attitude import AttitudeHistory
-from kreisel.data.checks import choice
 from kreisel.data.facts import clock_of
-from kreisel.data.frames import WORLDS, from_enu_flu, to_enu_flu
+from kreisel.data.frames import from_enu_flu, to_enu_flu
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trial import Trial
 from kreisel.files.doors import format_names, write
@@ -54,10 +54,13 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument("-o", "--output", metavar="OUT", help="file, or for several inputs folder, to write")
     known = ", ".join(format_names(AttitudeHistory))
     parser.add_argument(
-        "--to", metavar="FORMAT", help=f"{known} (default: by OUT's suffix, or tum in a folder)"
+        "--to",
+        metavar="FORMAT",
+        type=one_of(lambda: format_names(AttitudeHistory)),
+        help=f"{known} (default: by OUT's suffix, or tum in a folder)",
     )
     parser.add_argument(
-        "--to-frame", metavar="WORLD", help="world of the output (default: that of the input)"
+        "--to-frame", metavar="WORLD", type=world, help="world of the output (default: that of the input)"
     )
     parser.add_argument(
         "--picture", metavar="PICTURE", help="draw the attitude: .png, .svg or .pdf; one input"
@@ -71,7 +74,6 @@ def run(args: Namespace) -> int:
     if "help" in args.set:
         print(tuning_help(args.filter))
         return 0
-    world = choice("--to-frame", args.to_frame or args.frame, tuple(WORLDS))
     estimated, paths = _estimator(args), _paths(args.input)
     outputs = _outputs(args, paths)
     files = []
@@ -80,7 +82,7 @@ def run(args: Namespace) -> int:
         recording = _recording(path, content, args)
         attitude = estimated(recording)
         if output is not None:
-            write(output, from_enu_flu(attitude, world), args.to)
+            write(output, from_enu_flu(attitude, args.to_frame or args.frame), args.to)
         if args.picture is not None:
             _draw(attitude, args.picture)
         files.append(_summary(path, output, recording, attitude, is_trial=isinstance(content, Trial)))
@@ -101,7 +103,7 @@ def _estimator(args: Namespace) -> Callable[[ImuRecording], AttitudeHistory]:
 
     filter = chosen_filter(args)
     if args.smooth and not isinstance(filter, SmoothingFilter):
-        raise ValueError(
+        raise UsageError(
             f"--smooth needs a filter that keeps a covariance: --filter mekf; got {args.filter}."
         )
     return partial(smooth if args.smooth else run, filter)
@@ -119,34 +121,33 @@ def _paths(given: Sequence[str]) -> list[str]:
     for text in given:
         found = [text] if Path(text).exists() or not glob.has_magic(text) else sorted(glob.glob(text))
         if not found:
-            raise ValueError(f"no file fits {text!r}.")
+            raise UsageError(f"no file fits {text!r}.")
         paths += found
     return list(dict.fromkeys(paths))
 
 
 def _outputs(args: Namespace, paths: Sequence[str]) -> list[Path | None]:
     """Where the attitude of each input goes: a file, or files named like the inputs in a folder."""
-    if args.to is not None:
-        choice("--to", args.to, format_names(AttitudeHistory))
     if args.picture is not None and len(paths) > 1:
-        raise ValueError(f"--picture is for one input; got {len(paths)}.")
+        raise UsageError(f"--picture is for one input; got {len(paths)}.")
     if args.output is None:
         return [None] * len(paths)
     place = Path(args.output)
     if len(paths) == 1 and not place.is_dir() and not args.output.endswith("/"):
+        check_format(args.output, args.to)
         outputs = [place]
     else:
         if place.exists() and not place.is_dir():
-            raise ValueError(f"-o must be a folder for {len(paths)} inputs; {place} is a file.")
+            raise UsageError(f"-o must be a folder for {len(paths)} inputs; {place} is a file.")
         place.mkdir(parents=True, exist_ok=True)
         outputs = [place / f"{Path(path).stem}.{args.to or 'tum'}" for path in paths]
     for path, output in zip(paths, outputs, strict=True):
         if outputs.count(output) > 1:
-            raise ValueError(
+            raise UsageError(
                 f"two inputs would be written to {output}. Estimate them into folders of their own."
             )
         if output.exists() and output.samefile(path) and output.is_file():
-            raise ValueError(f"-o {output} is the input itself. Choose another name.")
+            raise UsageError(f"-o {output} is the input itself. Choose another name.")
     return list(outputs)
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import math
 import sys
-from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from argparse import ArgumentParser, Namespace
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from kreisel.cli.outputs import Output, aligned, output_folder, picture, removed, write_json, write_outputs
+from kreisel.cli.values import UsageError, as_typed, number, one_of
 
 if TYPE_CHECKING:
     from kreisel.data.attitude import AttitudeHistory
@@ -49,6 +50,7 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--align",
         metavar="WHAT",
+        type=one_of(("heading", "frame", "frame+sensor")),
         help="first remove the constant offset that fits best: heading (a turn about up), frame (any turn), "
         "frame+sensor (also one of the sensor's axes); default: compare as it is",
     )
@@ -65,7 +67,11 @@ def configure(parser: ArgumentParser) -> None:
         help="how the sensor is mounted, as kreisel simulate takes it, where TRUTH is the body's attitude",
     )
     parser.add_argument(
-        "--limit-deg", type=float, default=5.0, metavar="DEG", help="total error that is converged (5)"
+        "--limit-deg",
+        type=number("degrees", above=0.0),
+        default=5.0,
+        metavar="DEG",
+        help="total error that is converged (5)",
     )
     parser.add_argument(
         "-o", "--output", type=output_folder, metavar="FOLDER", help="folder for pictures and summary.json"
@@ -75,7 +81,7 @@ def configure(parser: ArgumentParser) -> None:
         parser.add_argument(
             f"--max-{name.replace('_', '-')}",
             dest=name,
-            type=float,
+            type=number(lowest=0.0),
             metavar=name.rpartition("_")[2].upper(),
             help=f"largest {text} allowed",
         )
@@ -118,7 +124,7 @@ def _clock_offset(text: str) -> float | str:
     except ValueError:
         offset = math.nan
     if not math.isfinite(offset):
-        raise ArgumentTypeError(f"takes a number of seconds or the word estimate; got {text!r}")
+        raise UsageError(f"takes a number of seconds or the word estimate; got {text!r}.")
     return offset
 
 
@@ -147,7 +153,9 @@ def _estimate(path: str, topic: str | tuple[()], imu: str | None) -> AttitudeHis
     from kreisel.cli.commands.simulate import parse_mount
 
     # Bias and flags stay those of the sensor, whatever frame the attitude is that of.
-    return replace(data, R_NS=data.body(parse_mount(imu)).R_NS)
+    with as_typed():
+        mount = parse_mount(imu)
+    return replace(data, R_NS=data.body(mount).R_NS)
 
 
 def _limits(args: Namespace, summary: Summary) -> list[dict[str, Any]]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kreisel.cli.inputs import check_units
+from kreisel.cli.values import UsageError, as_typed, one_of
 
 if TYPE_CHECKING:
     from kreisel.data.attitude import AttitudeHistory
@@ -56,6 +57,7 @@ def configure(parser: ArgumentParser) -> None:
     of_recordings.add_argument(
         "--align",
         metavar="WHAT",
+        type=one_of(("heading", "frame", "frame+sensor")),
         help="leave the constant offset that fits best out of the errors: heading, frame or frame+sensor",
     )
     of_recordings.add_argument(
@@ -73,7 +75,8 @@ def run(args: Namespace) -> int:
     started = time.perf_counter()
     # Both now, and not when a long scenario has been run.
     library("bokeh", "report", "kreisel report")
-    writable(args.output, (".html",))
+    with as_typed():
+        writable(args.output, (".html",))
     path = write_report(_account(args), args.output)
     size = path.stat().st_size / 1e6
     print(f"{path}: {size:.1f} MB, written in {time.perf_counter() - started:.1f} s; open it in a browser")
@@ -88,7 +91,7 @@ def _account(args: Namespace) -> Account:
     given = next((name for name in _OF_RECORDINGS if getattr(args, name) is not None), None)
     if given is not None:
         kind = "a folder" if is_run else "a scenario"
-        raise ValueError(f"--{given} goes with an IMU recording; {source} is {kind} and says it all.")
+        raise UsageError(f"--{given} goes with an IMU recording; {source} is {kind} and says it all.")
     if is_run:
         from kreisel.study.folder import read_account
 
@@ -110,11 +113,12 @@ def _of_recording(args: Namespace, source: Path) -> Account:
     if args.truth is not None:
         truth = read_truth(args.truth)
     if args.estimate is None and truth is None:
-        raise ValueError(
+        raise UsageError(
             f"{source} is an IMU recording: give --estimate (kreisel estimate {source} -o attitude.tum) "
             "or --truth, or both."
         )
-    mount = parse_mount(args.imu) if args.imu is not None else None
+    with as_typed():
+        mount = parse_mount(args.imu) if args.imu is not None else None
     estimates = _estimates(args.estimate or [])
     return account_of_files(recording, estimates, truth, mount=mount, align=args.align)
 

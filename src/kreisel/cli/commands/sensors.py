@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kreisel.cli.tables import plain, print_table
+from kreisel.cli.values import UsageError, number, sensor_name
 from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.noise import ALLAN_FLOOR, NoiseModel
 
@@ -65,18 +66,26 @@ _SI = {
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument(
-        "sensor", nargs="?", metavar="SENSOR", help="a preset, a .toml file, or kalibr's .yaml"
+        "sensor",
+        nargs="?",
+        type=sensor_name,
+        metavar="SENSOR",
+        help="a preset, a .toml file, or kalibr's .yaml",
     )
     parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
     parser.add_argument("--kalibr", metavar="FILE", help="also write the sensor's noise as kalibr's imu.yaml")
     for name, unit in _WALKS.items():
         parser.add_argument(
-            f"--{name}-walk", type=float, metavar="K",
+            f"--{name}-walk", type=number(unit, lowest=0.0), metavar="K",
             help=f"random walk of its bias to write there, {unit}, in place of the sensor's own: few datasheets state "
             "any, and kalibr needs one",
         )  # fmt: skip
     parser.add_argument(
-        "--rate", type=float, default=200.0, metavar="HZ", help="rate to write there (default 200)"
+        "--rate",
+        type=number("hertz", above=0.0),
+        default=200.0,
+        metavar="HZ",
+        help="rate to write there (default 200)",
     )
     parser.epilog = _EXAMPLES
 
@@ -87,7 +96,7 @@ def run(args: Namespace) -> int:
 
     if args.sensor is None:
         if args.kalibr:
-            raise ValueError("--kalibr writes one sensor; name it: kreisel sensors SENSOR --kalibr FILE.")
+            raise UsageError("--kalibr writes one sensor; name it: kreisel sensors SENSOR --kalibr FILE.")
         presets = sorted(map(load, names()), key=lambda preset: GRADES.index(preset.grade))
         _list(presets, args.json)
         return 0

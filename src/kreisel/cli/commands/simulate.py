@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kreisel.cli.courses import add_course_arguments, read_course
-from kreisel.cli.inputs import add_input_arguments
+from kreisel.cli.inputs import add_input_arguments, rate, world
 from kreisel.cli.outputs import (
     Simulation,
     aligned,
@@ -29,7 +29,8 @@ from kreisel.cli.surroundings import (
     describe_gravity,
     environment_at,
 )
-from kreisel.data.checks import choice, file_name
+from kreisel.cli.values import as_typed, one_of, sensor_name, whole
+from kreisel.data.checks import file_name
 from kreisel.data.environment import Environment
 from kreisel.data.frames import WORLDS, to_enu_flu
 from kreisel.data.motion import Motion, Mount
@@ -74,27 +75,33 @@ def configure(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--sensor",
+        type=sensor_name,
         help="sensor of all IMUs that name none: a preset (see kreisel sensors), a preset file .toml, kalibr's .yaml "
         "or what kreisel calibrate wrote (default: perfect sensors)",
     )
     parser.add_argument(
-        "--seed", type=int, default=0, help="whole number from which noise is drawn (default 0)"
+        "--seed", type=whole(), default=0, help="whole number from which noise is drawn (default 0)"
     )
     add_place_arguments(parser)
-    parser.add_argument("--rate", type=float, metavar="HZ", help="IMU rate (default: the times of the poses)")
+    parser.add_argument("--rate", type=rate, metavar="HZ", help="IMU rate (default: the times of the poses)")
     parser.add_argument(
-        "--method", help="of poses: auto (default), spline, smooth or gradient (MATLAB's scheme)"
+        "--method",
+        type=one_of(("auto", "spline", "smooth", "gradient")),
+        help="of poses: auto (default), spline, smooth or gradient (MATLAB's scheme)",
     )
     parser.add_argument(
         "--orientation",
         help="tangent or transport, in place of the file's attitude; of waypoints and profiles tangent or level",
     )
     add_course_arguments(parser)
-    parser.add_argument("--to-frame", default="enu-flu", help=f"world of the output: {', '.join(WORLDS)}")
+    parser.add_argument(
+        "--to-frame", default="enu-flu", type=world, help=f"world of the output: {', '.join(WORLDS)}"
+    )
     parser.add_argument(
         "--imu-format",
         default="csv",
         metavar="FORMAT",
+        type=one_of(lambda: format_names(ImuRecording)),
         help=f"{', '.join(format_names(ImuRecording))} (default: csv)",
     )
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
@@ -114,31 +121,28 @@ def run(args: Namespace) -> int:
     from kreisel.study.sensor import errs, record_all, sensor_imu
 
     started = time.perf_counter()
-    choice("--to-frame", args.to_frame, tuple(WORLDS))
-    choice("--frame", args.frame, tuple(WORLDS))
-    choice("--imu-format", args.imu_format, format_names(ImuRecording))
-    if args.seed < 0:
-        raise ValueError(f"--seed must be a whole number, 0 or more; got {args.seed}.")
-    given = [parse_imu(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
+    with as_typed():
+        given = [parse_imu(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
     mounts = [to_enu_flu(mount, args.frame) for mount, _ in given]
-    sensors = [sensor or args.sensor for _, sensor in given]
+    sensors = [named or args.sensor for _, named in given]
     environment = environment_at(args)
-    imus = [sensor_imu(sensor, mount, environment) for mount, sensor in zip(mounts, sensors, strict=True)]
-    outputs = simulation_outputs(
-        [mount.name for mount in mounts],
-        erring=[imu.mount.name for imu in imus if errs(imu)],
-        magnetometer=environment.field_N_uT is not None,
-        world=args.to_frame,
-        imu_format=args.imu_format,
-        pictures=not args.no_pictures,
-        animation=args.animation,
-        rerun=args.rerun,
-    )
-    check_outputs(args.output, outputs)
+    imus = [sensor_imu(named, mount, environment) for mount, named in zip(mounts, sensors, strict=True)]
+    with as_typed():
+        outputs = simulation_outputs(
+            [mount.name for mount in mounts],
+            erring=[imu.mount.name for imu in imus if errs(imu)],
+            magnetometer=environment.field_N_uT is not None,
+            world=args.to_frame,
+            imu_format=args.imu_format,
+            pictures=not args.no_pictures,
+            animation=args.animation,
+            rerun=args.rerun,
+        )
+        check_outputs(args.output, outputs)
     motion, held = read_course(args)
     made = Simulation(motion, mounts, *record_all(imus, motion, args.seed))
     lines = write_outputs(args.output, outputs, made)
-    told = ", ".join(dict.fromkeys(sensor or "ideal sensor" for sensor in sensors))
+    told = ", ".join(dict.fromkeys(named or "ideal sensor" for named in sensors))
     told += f", seed {args.seed}" if made.recorded else ""
     print(f"{args.input}: {held} -> {len(motion)} IMU samples, {told}")
     if args.place is not None:
@@ -174,10 +178,10 @@ def parse_imu(text: str, number: int = 0) -> tuple[Mount, str | None]:
     An IMU with a sensor and no name is called as the sensor is.
     """
     if "@" in text:
-        sensor, place = text.split("@", 1)
-        return parse_mount(place, number, Path(sensor).stem), sensor
+        named, place = text.split("@", 1)
+        return parse_mount(place, number, Path(named).stem), sensor_name(named)
     if text and "," not in text and ":" not in text:
-        return Mount(name=file_name("the NAME of --imu", Path(text).stem)), text
+        return Mount(name=file_name("the NAME of --imu", Path(text).stem)), sensor_name(text)
     return parse_mount(text, number), None
 
 

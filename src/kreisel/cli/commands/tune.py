@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kreisel.cli.filters import add_filter_arguments, chosen_filter, tuning_help
+from kreisel.cli.values import as_typed, one_of, whole
 
 if TYPE_CHECKING:
     from kreisel.data.trial import Trial
@@ -39,10 +40,13 @@ def configure(parser: ArgumentParser) -> None:
     add_filter_arguments(parser)
     parser.add_argument("--vary", metavar="NAME,...", help="numbers to move (default: all that are positive)")
     parser.add_argument(
-        "--score", default="total", help="RMSE that is to fall: total, heading or inclination (total)"
+        "--score",
+        default="total",
+        type=one_of(("total", "heading", "inclination")),
+        help="RMSE that is to fall: total, heading or inclination (total)",
     )
     parser.add_argument(
-        "--draws", type=int, default=3, metavar="N", help="times that each scenario is simulated (3)"
+        "--draws", type=whole(1), default=3, metavar="N", help="times that each scenario is simulated (3)"
     )
     parser.add_argument("-o", "--output", metavar="FILE", help="file for the filter's table (.toml)")
     parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
@@ -57,7 +61,7 @@ def run(args: Namespace) -> int:
     from kreisel.study.tune import tune
 
     filter = chosen_filter(args)
-    vary = None if args.vary is None else [name.strip() for name in args.vary.split(",")]
+    vary = None if args.vary is None else _varied(filter, args.vary)
     trials = [trial for text in args.trials for trial in _trials(text, args.draws)]
     tuning = tune(filter, trials, vary=vary, score=args.score, progress=_progress(len(trials)))
     if args.output is not None:
@@ -67,6 +71,14 @@ def run(args: Namespace) -> int:
     else:
         _print(args, tuning)
     return 0
+
+
+def _varied(filter: Any, text: str) -> list[str]:
+    from kreisel.data.checks import choice
+    from kreisel.study.tune import tunable
+
+    with as_typed():
+        return [choice("--vary", name.strip(), tunable(filter)) for name in text.split(",")]
 
 
 def _trials(text: str, draws: int) -> list[Trial]:
@@ -80,8 +92,6 @@ def _trials(text: str, draws: int) -> list[Trial]:
     from kreisel.study.trials import paired, simulated
 
     if text.endswith(".toml"):
-        if draws < 1:
-            raise ValueError(f"--draws must be 1 or more; got {draws}.")
         return simulated(Scenario.load(text), draws)
     # A file whose own name has the sign comes first.
     imu, equals, truth = (text, "", "") if Path(text).exists() else text.partition("=")

@@ -76,7 +76,7 @@ def plots(charts: list[Chart], start: float, end: float) -> list[Any]:
     from bokeh.models import Range1d
 
     first, last = time_limits(np.array([start, end]))
-    shared = Range1d(first, last, bounds=(first, last), name="time")
+    shared = Range1d(start=first, end=last, bounds=(first, last))
     return [_plot(chart, shared) for chart in charts]
 
 
@@ -86,7 +86,7 @@ def _plot(chart: Chart, shared: Any) -> Any:
 
     # Colours are the page's: it sets them for light and dark.
     plot = figure(
-        name=chart.name, height=_HEIGHT, sizing_mode="stretch_width", x_range=shared, y_range=Range1d(0, 1),
+        name=chart.name, height=_HEIGHT, sizing_mode="stretch_width", x_range=shared, y_range=Range1d(start=0.0, end=1.0),
         toolbar_location=None, tools=[], min_border=0, min_border_left=66, min_border_right=10,
         background_fill_color=None, border_fill_color=None, outline_line_color=None,
         x_axis_label="time [s]", y_axis_label=chart.quantity,
@@ -95,9 +95,11 @@ def _plot(chart: Chart, shared: Any) -> Any:
     plot.add_tools(box, wheel)
     plot.toolbar.active_drag, plot.toolbar.active_scroll = box, wheel
     for trace in chart.traces:
-        look = {"line_width": 4.0, "line_alpha": 0.35} if trace.broad else {"line_width": 1.4}
+        width, alpha = (4.0, 0.35) if trace.broad else (1.4, 1.0)
         source = ColumnDataSource({"t": [], "y": []})
-        line = plot.line("t", "y", source=source, name=trace.name, line_join="round", **look)
+        line = plot.line(
+            "t", "y", source=source, name=trace.name, line_join="round", line_width=width, line_alpha=alpha
+        )
         line.tags = [trace.colour, trace.entry]
     for axis in (plot.xaxis, plot.yaxis):
         axis.axis_label_text_font = axis.major_label_text_font = "system-ui, sans-serif"

@@ -65,8 +65,10 @@ class Timeline:
 
 def timeline(account: Account) -> Timeline:
     """From the first sample of anything to the last, on the clock of the truth or else of the first recording."""
-    sources = [*(reading.recording for reading in account.readings), *(a.attitude for a in account.answers)]
-    every = [source for source in (account.truth, *sources) if source is not None and len(source)]
+    # Any: all have t and t0_ns, which no common type says.
+    sources: list[Any] = [account.truth, *(reading.recording for reading in account.readings)]
+    sources += [answer.attitude for answer in account.answers]
+    every = [source for source in sources if source is not None and len(source)]
     if not every:
         raise ValueError("there is nothing to report: no source has a sample.")
     t0_ns = every[0].t0_ns
