@@ -86,7 +86,8 @@ def _plot(chart: Chart, shared: Any) -> Any:
 
     # Colours are the page's: it sets them for light and dark.
     plot = figure(
-        name=chart.name, height=_HEIGHT, sizing_mode="stretch_width", x_range=shared, y_range=Range1d(start=0.0, end=1.0),
+        name=chart.name, height=_HEIGHT, sizing_mode="stretch_width",
+        x_range=shared, y_range=Range1d(start=0.0, end=1.0),
         toolbar_location=None, tools=[], min_border=0, min_border_left=66, min_border_right=10,
         background_fill_color=None, border_fill_color=None, outline_line_color=None,
         x_axis_label="time [s]", y_axis_label=chart.quantity,
