@@ -64,7 +64,8 @@ def test_what_is_no_such_folder_is_named(folder, tmp_path):
     (folder / "elbow.csv").unlink()
     with pytest.raises(FileNotFoundError, match=r"elbow\.csv"):
         read_account(folder)
-    for text, cause in (("no", "not JSON"), ('{"schema": "other/1"}', "'other/1'"), ("[]", "None")):
+    lacking = ('{"schema": "kreisel.run/1"}', "it lacks 'scenario'")
+    for text, cause in (("no", "not JSON"), ('{"schema": "other/1"}', "'other/1'"), ("[]", "None"), lacking):
         (folder / "report.json").write_text(text)
         with pytest.raises(ValueError, match=rf"report\.json is no report of `kreisel run`.*{cause}"):
             read_account(folder)

@@ -34,6 +34,13 @@ def read_account(folder: Path) -> Account:
     Raises ValueError with the file for a folder that `kreisel run` did not write, OSError where a file is missing.
     """
     report = _report(folder / REPORT)
+    try:
+        return _account(folder, report)
+    except KeyError as missing:
+        raise ValueError(f"{folder / REPORT} is no report of `kreisel run`: it lacks {missing}.") from None
+
+
+def _account(folder: Path, report: dict[str, Any]) -> Account:
     scenario = report["scenario"]
     motion = read(folder / "truth.npz", kind="motion")
     assert isinstance(motion, Motion)  # the kind asked for

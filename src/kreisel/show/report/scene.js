@@ -52,7 +52,7 @@ class Scene {
     const across = Math.hypot(x, y);
     const tilt = (Math.abs(this.view.elevation) * Math.PI) / 180;
     const tall = z * Math.cos(tilt) + across * Math.sin(tilt);
-    return 0.9 * this.distance * Math.min((0.46 * this.width) / across, (0.45 * this.height) / tall);
+    return 0.9 * this.distance * Math.min((0.47 * this.width) / across, (0.45 * this.height) / tall);
   }
 
   /** Pixel of a point in N about the centre of the box. */
@@ -102,11 +102,12 @@ class Scene {
     this.stroke(pen, p, colour("path"), 1, (k) => [p[k], p[k + 1], p[k + 2]], 0.55);
   }
 
-  // Of what has been drawn already nothing is drawn again: ten minutes can be a hundred laps of one loop.
+  // Of a long path what has been drawn already is not drawn again: ten minutes can be hundreds of laps of one loop.
   stroke(pen, p, style, width, point, alpha = 1) {
     const across = Math.ceil(this.width / 2);
+    const long = p.length > 3 * 5000;
     const taken = new Int32Array(across * Math.ceil(this.height / 2));
-    let drawn = 4;
+    let drawn = 9;
     pen.beginPath();
     let [x, y] = this.seen(point(0));
     let joined = false;
@@ -116,14 +117,14 @@ class Scene {
       // Less than a pixel waits for the next point.
       if (!steps || (steps === 1 && Math.abs(u - x) + Math.abs(v - y) < 1)) continue;
       // Seen from very near, pieces are longer than the canvas, and few.
-      let fresh = steps > across;
+      let fresh = !long || steps > across;
       drawn += 1;
-      for (let n = 0; n <= steps && steps <= across; n++) {
+      for (let n = 0; n <= steps && long && steps <= across; n++) {
         const column = (x + ((u - x) * n) / steps) >> 1;
         if (column < 0 || column >= across) continue;
         const cell = ((y + ((v - y) * n) / steps) >> 1) * across + column;
         // The pieces just before share their cells with this one.
-        fresh ||= !taken[cell] || drawn - taken[cell] < 4;
+        fresh ||= !taken[cell] || drawn - taken[cell] < 9;
         taken[cell] ||= drawn;
       }
       if (fresh && !joined) pen.moveTo(x, y);
@@ -152,23 +153,23 @@ class Scene {
     for (const x of ticks(centre[0] - hx, centre[0] + hx, step)) {
       const u = x - centre[0];
       line(pen, this.seen([u, -hy, -hz]), this.seen([u, hy, -hz]));
-      if (!this.space.still) this.beyond(pen, tidy(x, step), [u, 0, -hz], [u, nearY, -hz], 15);
+      if (!this.space.still) this.beyond(pen, tidy(x, step), [u, 0, -hz], [u, nearY, -hz], 11);
     }
     for (const y of ticks(centre[1] - hy, centre[1] + hy, step)) {
       const v = y - centre[1];
       line(pen, this.seen([-hx, v, -hz]), this.seen([hx, v, -hz]));
-      if (!this.space.still) this.beyond(pen, tidy(y, step), [0, v, -hz], [nearX, v, -hz], 15);
+      if (!this.space.still) this.beyond(pen, tidy(y, step), [0, v, -hz], [nearX, v, -hz], 11);
     }
     if (this.space.still) return;
-    this.beyond(pen, "east [m]", [0, 0, -hz], [0, nearY, -hz], 40);
-    this.beyond(pen, "north [m]", [0, 0, -hz], [nearX, 0, -hz], 46);
+    this.beyond(pen, "east [m]", [0, 0, -hz], [0, nearY, -hz], 42);
+    this.beyond(pen, "north [m]", [0, 0, -hz], [nearX, 0, -hz], 42);
     this.drawHeights(pen);
   }
 
   // A pole with heights at that upright edge of the box which is seen furthest to the left.
   drawHeights(pen) {
     const [hx, hy, hz] = this.space.half;
-    const step = niceStep((2 * hz) / 4);
+    const step = niceStep((2 * hz) / 6);
     const [x, y] = this.leftmost(1.06);
     line(pen, this.seen([x, y, -hz]), this.seen([x, y, hz]));
     const up = this.space.centre[2];
@@ -209,11 +210,15 @@ class Scene {
     this.label(pen, "g", [corner[0], corner[1], hz + 0.14 * long], true);
   }
 
-  /** Words so many pixels beyond the rim of the floor, on the way out from a point inside. */
+  /** Words that begin so many pixels beyond the rim of the floor, on the way out from a point inside. */
   beyond(pen, words, inside, rim, pixels) {
     const [[x, y], [u, v]] = [this.seen(inside), this.seen(rim)];
-    const far = pixels / (Math.hypot(u - x, v - y) || 1);
-    text(pen, words, u + far * (u - x), v + far * (v - y), "center");
+    const length = Math.hypot(u - x, v - y) || 1;
+    const [right, down] = [(u - x) / length, (v - y) / length];
+    const align = right > 0.4 ? "left" : right < -0.4 ? "right" : "center";
+    // On a narrow screen the name of an axis would stick out.
+    const room = align === "left" ? pen.measureText(words).width : 0;
+    text(pen, words, Math.min(u + pixels * right, this.width - room - 6), v + pixels * down, align);
   }
 
   label(pen, words, point, bold = false) {
