@@ -35,6 +35,7 @@ def test_calibrate_then_apply(turned, tmp_path, capsys) -> None:
     assert "hard iron (5 ±" in text and "dip 63.4 deg" in text
     calibration = read_calibration(out)
     assert calibration.accel is None
+    assert out.with_suffix(".png").stat().st_size > 10_000 and "before and after" in text
     np.testing.assert_allclose(calibration.gyro.bias, BIAS, atol=1e-9)
     assert main(["calibrate", turned, "--apply", str(out), "-o", str(better)]) == 0
     strength = np.linalg.norm(kreisel.read(better).mag_uT, axis=1)

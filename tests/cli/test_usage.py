@@ -26,7 +26,7 @@ def here(tmp_path, monkeypatch) -> Path:
 
 
 MISTYPED = [
-    ("info imu.csv --frame nde", "--frame must be one of", "ned-frd"),
+    ("info imu.csv --frame nde", "--frame must be one of", "Did you mean 'ned-frd'?"),
     ("info imu.csv --from cvs", "--from must be one of", "'csv'"),
     ("info imu.csv --kind pose", "--kind must be one of", "'poses'"),
     ("info imu.csv --column t", "--column takes NAME=HEADER", ""),

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
+from kreisel.cli.notes import note
 from kreisel.cli.values import UsageError, as_typed, number, one_of
 from kreisel.data.checks import choice
 from kreisel.data.facts import impossible_units, unit_doubts
@@ -28,7 +28,9 @@ rate = number("hertz", above=0.0)
 def add_input_arguments(parser: ArgumentParser, many: bool = False) -> None:
     """`input` (a list with `many`), --from, --kind, --frame, --column, --input-rate, --times and --topic."""
     if many:
-        parser.add_argument("input", nargs="+", metavar="FILE", help="files to read")
+        parser.add_argument(
+            "input", nargs="+", metavar="FILE", help="files to read, or patterns such as 'rec/**/*.csv'"
+        )
     else:
         parser.add_argument("input", metavar="IN", help="file to read")
     parser.add_argument(
@@ -127,4 +129,4 @@ def check_units(recording: ImuRecording, path: str, trusted: bool) -> None:
             "or insist with --trust-units."
         )
     for doubt in unit_doubts(recording):
-        sys.stderr.write(f"kreisel: note: {path}: {doubt}\n")
+        note(f"{path}: {doubt}")

@@ -27,6 +27,13 @@ def complain(text: str) -> None:
     sys.stderr.write("kreisel: " + " ".join(text.split()) + "\n")
 
 
+def sentence(error: Exception) -> str:
+    """What an error says, with the file that the system could not open."""
+    if isinstance(error, OSError) and error.filename and error.strerror:
+        return f"{error.filename}: {error.strerror}"
+    return str(error)
+
+
 @contextmanager
 def quiet(data_on_stdout: bool) -> Iterator[None]:
     """Inside, no notes and no progress; and nothing on stdout unless that is where data was asked for."""

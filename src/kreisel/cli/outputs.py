@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import sys
 from collections.abc import Callable, Iterator, Sequence
@@ -12,6 +13,8 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol, TextIO, TypeVar
 import numpy as np
 
 from kreisel.atomic import is_standard_output, refuse_unwritable, replacing
+from kreisel.cli.notes import is_quiet
+from kreisel.cli.progress import Progress
 from kreisel.cli.values import UsageError, as_typed
 from kreisel.data.motion import Motion, Mount, Note
 from kreisel.files.doors import format_to_write, suffix, write
@@ -89,7 +92,9 @@ def check_format(output: str, format: str | None = None) -> None:
 
 def summary_stream(output: str) -> TextIO:
     """Where to print what is told about `output`: the data itself may have gone to standard output."""
-    return sys.stderr if is_standard_output(output) else sys.stdout
+    if not is_standard_output(output):
+        return sys.stdout
+    return io.StringIO() if is_quiet() else sys.stderr
 
 
 def check_outputs(folder: Path, outputs: Sequence[Output[Any]]) -> None:
@@ -111,9 +116,16 @@ def write_outputs(folder: Path, outputs: Sequence[Output[Made]], made: Made) -> 
     """Write every output, or none where one cannot be; the lines of a summary that names each file."""
     check_outputs(folder, outputs)
     _make_folder(folder)
-    for output in outputs:
-        output.write(made, folder / output.name)
+    with Progress(len(outputs), "writing") as progress:
+        for output in outputs:
+            output.write(made, folder / output.name)
+            progress.advance()
     return [f"{folder / output.name}  {output.what}" for output in outputs]
+
+
+def written(folder: Path | None, outputs: Sequence[Output[Any]]) -> list[Path]:
+    """The files that `outputs` are in `folder`; none without a folder."""
+    return [] if folder is None else [folder / output.name for output in outputs]
 
 
 def _make_folder(folder: Path) -> None:

@@ -19,7 +19,7 @@ from kreisel.data.recording import SOURCE, ImuRecording
 from kreisel.maths.allan import Sizes, overlapping_variances, terms, variance_forms
 from kreisel.maths.noise_likelihood import likeliest, lower_end, powers, upper_end, without
 
-SENSORS = ("gyro", "accel")
+SENSORS = ("gyro", "accel", "mag")
 TERMS = ("N", "B", "K")
 
 # Fewer leave no two cluster sizes to tell slopes by.
@@ -56,9 +56,9 @@ class AllanTerm:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AllanFit(Shown):
-    """Allan deviation of one sensor at rest, with the noise read from it; unit u is rad/s or m/s^2."""
+    """Allan deviation of one sensor at rest, with the noise read from it; unit u is rad/s, m/s^2 or uT."""
 
-    sensor: str  # "gyro" or "accel"
+    sensor: str  # "gyro", "accel" or "mag"
     name: str
     samples: int
     rate_hz: float
@@ -73,8 +73,8 @@ class AllanFit(Shown):
     def card(self) -> Card:
         """The three terms per axis, with their 95 % intervals."""
         rows = [
-            (f"{name}, {unit}", *_told(getattr(self, name)))
-            for name, unit in _term_units(self.sensor).items()
+            (f"{name}, {units[0].name}", *_told(getattr(self, name), units[0].factor))
+            for name, units in COEFFICIENT[self.sensor].items()
         ]
         title = f"AllanFit of {self.sensor}: {self.samples} samples at {self.rate_hz:.4g} Hz"
         return Card(title, ("", "x", "y", "z"), rows, ("95 % intervals in brackets",))
@@ -89,27 +89,24 @@ class AllanFit(Shown):
         return self.noise.allan_deviation(tau)
 
 
-def _term_units(sensor: str) -> dict[str, str]:
-    unit = {"gyro": "rad/s", "accel": "m/s^2"}[sensor]
-    return dict(zip(TERMS, (f"{unit}/sqrt(Hz)", unit, f"{unit}/sqrt(s)"), strict=True))
-
-
-def _told(term: AllanTerm) -> list[str]:
-    """Value and interval per axis, or what a hidden term is less than."""
-    axes = zip(term.value, term.low, term.high, term.visible, strict=True)
+def _told(term: AllanTerm, factor: float) -> list[str]:
+    """Value and interval per axis in a unit that is 1 / `factor` of SI's, or what a hidden term is less than."""
+    axes = zip(factor * term.value, factor * term.low, factor * term.high, term.visible, strict=True)
     return [f"{v:.3g} ({a:.3g} to {b:.3g})" if shown else f"hidden, < {b:.3g}" for v, a, b, shown in axes]
 
 
 def allan(recording: ImuRecording, sensor: str = "gyro") -> AllanFit:
-    """Noise of `sensor` ("gyro" or "accel") of a `recording` at rest.
+    """Noise of `sensor` ("gyro", "accel" or "mag") of a `recording` at rest.
+
+    A magnetometer may be slower than the rest: rows in which it has no sample are left out.
 
     Raises ValueError for missing samples and gaps, naming where, an axis that never changes, and records of
     fewer than 32 samples. A sensor that was moved shows its motion as noise: nothing here can tell.
     """
     instance("recording", recording, ImuRecording, SOURCE)
     choice("sensor", sensor, SENSORS)
-    samples: Array = getattr(recording, sensor)
-    rate_hz = _even_rate(recording.t, sensor, samples)
+    t, samples = _readings(recording, sensor)
+    rate_hz = _even_rate(t, sensor, samples)
     variances, sizes = _variances(samples, default_sizes(len(samples)))
     still = ~(variances > 0.0).all(axis=0)
     if still.any():
@@ -160,6 +157,16 @@ def default_sizes(samples: int) -> Sizes:
 def _variances(samples: Array, sizes: Sizes) -> tuple[Array, Sizes]:
     columns = [overlapping_variances(np.ascontiguousarray(column), sizes) for column in samples.T]
     return np.column_stack(columns), sizes
+
+
+def _readings(recording: ImuRecording, sensor: str) -> tuple[Array, Array]:
+    """Stamps (n,) and samples (n, 3) of one sensor."""
+    if sensor != "mag":
+        return recording.t, getattr(recording, sensor)
+    if recording.mag_uT is None:
+        raise ValueError("this recording has no magnetometer.")
+    seen = np.isfinite(recording.mag_uT).all(axis=1)
+    return recording.t[seen], recording.mag_uT[seen]
 
 
 def _even_rate(t: Array, sensor: str, samples: Array) -> float:

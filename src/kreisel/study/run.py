@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -86,16 +86,20 @@ class Result(Shown):
         }
 
 
-def run(scenario: Scenario) -> Result:
-    """Sample, record, estimate, compare. Raises ValueError for a recipe that cannot be made."""
+def run(scenario: Scenario, on_done: Callable[[], object] | None = None) -> Result:
+    """Sample, record, estimate, compare. Raises ValueError for a recipe that cannot be made.
+
+    on_done : called after each IMU, and after each filter on each IMU.
+    """
     parts = build(scenario)
     motion = parts.trajectory.sample(parts.t)
-    recordings, recorded = record_all(parts.imus, motion, scenario.seed)
-    estimates = [
-        _estimate(recipe, filter, recording, motion.at(imu.mount))
-        for imu, recording in zip(parts.imus, recordings, strict=True)
-        for recipe, (_, filter) in zip(scenario.filters, parts.filters, strict=True)
-    ]
+    recordings, recorded = record_all(parts.imus, motion, scenario.seed, on_done)
+    estimates = []
+    for imu, recording in zip(parts.imus, recordings, strict=True):
+        for recipe, (_, filter) in zip(scenario.filters, parts.filters, strict=True):
+            estimates.append(_estimate(recipe, filter, recording, motion.at(imu.mount)))
+            if on_done is not None:
+                on_done()
     mounts = tuple(imu.mount for imu in parts.imus)
     return Result(scenario, motion, mounts, recordings, tuple(estimates), recorded)
 

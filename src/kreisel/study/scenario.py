@@ -97,6 +97,8 @@ class EnvironmentRecipe:
         for name in ("gravity", "declination_deg", "latitude_deg", "longitude_deg", "height_m"):
             if getattr(self, name) is not None:
                 put(self, name, finite_number(name, getattr(self, name)))
+        if self.gravity is not None and self.gravity < 0.0:
+            raise ValueError(f"gravity must be 0 or more, m/s^2: it counts downwards; got {self.gravity:g}.")
         if self.field_N_uT is not None:
             put(self, "field_N_uT", vector("field_N_uT", self.field_N_uT))
         if self.date is not None:

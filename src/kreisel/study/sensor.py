@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from kreisel.data.environment import Environment
@@ -62,9 +62,18 @@ def errs(imu: Imu) -> bool:
 
 
 def record_all(
-    imus: Sequence[Imu], motion: Motion, seed: int
+    imus: Sequence[Imu], motion: Motion, seed: int, on_done: Callable[[], object] | None = None
 ) -> tuple[tuple[ImuRecording, ...], tuple[Recorded, ...]]:
-    """What each IMU read, and of those that err what is known of it; a perfect one in peace needs no draw."""
-    known = {id(imu): imu.record(motion, seed) for imu in imus if errs(imu)}
-    readings = tuple(known[id(imu)].measured if id(imu) in known else imu.ideal(motion) for imu in imus)
-    return readings, tuple(known.values())
+    """What each IMU read, and of those that err what is known of it; a perfect one in peace needs no draw.
+
+    on_done : called after each IMU.
+    """
+    readings: list[ImuRecording] = []
+    known: list[Recorded] = []
+    for imu in imus:
+        if errs(imu):
+            known.append(imu.record(motion, seed))
+        readings.append(known[-1].measured if errs(imu) else imu.ideal(motion))
+        if on_done is not None:
+            on_done()
+    return tuple(readings), tuple(known)

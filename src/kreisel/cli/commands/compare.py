@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
-import json
 import math
-import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from kreisel.cli.outputs import Output, describe_notes, output_folder, picture, write_json, write_outputs
+from kreisel.cli.notes import complain
+from kreisel.cli.outputs import (
+    Output,
+    describe_notes,
+    output_folder,
+    picture,
+    write_json,
+    write_outputs,
+    written,
+)
+from kreisel.cli.progress import Progress
+from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
 from kreisel.cli.values import as_typed, number, one_of
 
 if TYPE_CHECKING:
@@ -83,7 +92,7 @@ def configure(parser: ArgumentParser) -> None:
         metavar="FOLDER",
         help="folder for picture, twin and summary.json",
     )
-    parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
+    add_report_arguments(parser, dry_run=True)
     parser.add_argument("--trust-units", action="store_true", help="go on where units look impossible")
     for sensor, unit in _UNITS.items():
         parser.add_argument(
@@ -108,15 +117,20 @@ def run(args: Namespace) -> int:
 
         with as_typed():
             mount = parse_mount(args.imu)
-    found = align(recording, trajectory, **_estimate(args.estimate), mount=mount, search=args.search)
+    asked, outputs = _estimate(args.estimate), _outputs(recording)
+    if args.dry_run:
+        reads = {args.real: described(recording), named: described(poses)}
+        return tell_plan(args, reads, written(args.output, outputs))
+    with Progress(None, "aligning"):
+        found = align(recording, trajectory, **asked, mount=mount, search=args.search)
     notes = [*trajectory.sample(trajectory.t[:1]).notes, *found.notes]
     limits = _limits(args, found)
     report = _report(args, recording, named, found, limits) | {"notes": [note.text for note in notes]}
     files = []
     if args.output is not None:
-        files = write_outputs(args.output, _outputs(recording), (report, found))
+        files = write_outputs(args.output, outputs, (report, found))
     if args.json:
-        print(json.dumps(report, indent=2, allow_nan=False))
+        print_json(report)
     else:
         print(f"{args.real} against {named}")
         _print(found, describe_notes(notes), files)
@@ -185,9 +199,7 @@ def _complain_of(limits: list[dict[str, Any]]) -> int:
     missed = [limit for limit in limits if not limit["held"]]
     for limit in missed:
         name = limit["name"].replace("_rmse", " RMSE")
-        sys.stderr.write(
-            f"kreisel: {name}: {limit['value']:.4g} {limit['unit']}, allowed {limit['limit']:g}\n"
-        )
+        complain(f"{name}: {limit['value']:.4g} {limit['unit']}, allowed {limit['limit']:g}")
     return 3 if missed else 0
 
 

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import glob
-import json
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from kreisel.cli.batch import derived, expanded, over_files
 from kreisel.cli.filters import add_filter_arguments, chosen_filter, tuning_help
 from kreisel.cli.inputs import add_input_arguments, check_units, read_content, world
 from kreisel.cli.outputs import check_format, summary_stream
+from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
 from kreisel.cli.values import UsageError, one_of
 from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.facts import clock_of
@@ -65,32 +65,51 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--picture", metavar="PICTURE", help="draw the attitude: .png, .svg or .pdf; one input"
     )
-    parser.add_argument("--json", action="store_true", help="machine-readable summary, with a schema version")
+    add_report_arguments(parser, dry_run=True)
     parser.epilog = _EXAMPLES
 
 
 def run(args: Namespace) -> int:
-    """Read, check, estimate, write, sum up; the first file that is not sound ends the command."""
+    """Read, check, estimate, write, sum up."""
     if "help" in args.set:
         print(tuning_help(args.filter))
         return 0
-    estimated, paths = _estimator(args), _paths(args.input)
-    outputs = _outputs(args, paths)
-    files = []
-    for path, output in zip(paths, outputs, strict=True):
+    estimated, paths = _estimator(args), expanded(args.input)
+    outputs = dict(zip(paths, _outputs(args, paths), strict=True))
+    if args.dry_run:
+        return _plan(args, outputs)
+
+    def one(path: str) -> dict[str, Any]:
         content = read_content(args, path)
         recording = _recording(path, content, args)
         attitude = estimated(recording)
+        output = outputs[path]
         if output is not None:
+            if output != Path(args.output):
+                output.parent.mkdir(parents=True, exist_ok=True)
             write(output, from_enu_flu(attitude, args.to_frame or args.frame), args.to)
         if args.picture is not None:
             _draw(attitude, args.picture)
-        files.append(_summary(path, output, recording, attitude, is_trial=isinstance(content, Trial)))
+        return _summary(path, output, recording, attitude, is_trial=isinstance(content, Trial))
+
+    batch = over_files(paths, one, "smoothing" if args.smooth else "estimating")
     if args.json:
-        print(json.dumps({"schema": SCHEMA, "filter": _described(args), "files": files}, indent=2))
-    else:
-        print("\n".join(_told(args, files)), file=summary_stream(args.output or ""))
-    return 0
+        print_json(
+            {"schema": SCHEMA, "filter": _described(args), "files": batch.done, "failed": batch.failed}
+        )
+    elif batch.done:
+        print("\n".join(_told(args, batch.done)), file=summary_stream(args.output or ""))
+    return batch.code
+
+
+def _plan(args: Namespace, outputs: Mapping[str, Path | None]) -> int:
+    def checked(path: str) -> tuple[str, str]:
+        return path, described(_recording(path, read_content(args, path), args))
+
+    batch = over_files(list(outputs), checked, "reading")
+    writes = [outputs[path] for path, _ in batch.done]
+    tell_plan(args, dict(batch.done), [*filter(None, writes), *([args.picture] if args.picture else [])])
+    return batch.code
 
 
 def _estimator(args: Namespace) -> Callable[[ImuRecording], AttitudeHistory]:
@@ -115,39 +134,14 @@ def _draw(attitude: AttitudeHistory, picture: str) -> None:
     show.save(show.plot_attitude(attitude), picture)
 
 
-def _paths(given: Sequence[str]) -> list[str]:
-    """The files given, patterns replaced by the files they fit."""
-    paths = []
-    for text in given:
-        found = [text] if Path(text).exists() or not glob.has_magic(text) else sorted(glob.glob(text))
-        if not found:
-            raise UsageError(f"no file fits {text!r}.")
-        paths += found
-    return list(dict.fromkeys(paths))
-
-
 def _outputs(args: Namespace, paths: Sequence[str]) -> list[Path | None]:
     """Where the attitude of each input goes: a file, or files named like the inputs in a folder."""
     if args.picture is not None and len(paths) > 1:
         raise UsageError(f"--picture is for one input; got {len(paths)}.")
     if args.output is None:
         return [None] * len(paths)
-    place = Path(args.output)
-    if len(paths) == 1 and not place.is_dir() and not args.output.endswith("/"):
-        check_format(args.output, args.to)
-        outputs = [place]
-    else:
-        if place.exists() and not place.is_dir():
-            raise UsageError(f"-o must be a folder for {len(paths)} inputs; {place} is a file.")
-        place.mkdir(parents=True, exist_ok=True)
-        outputs = [place / f"{Path(path).stem}.{args.to or 'tum'}" for path in paths]
-    for path, output in zip(paths, outputs, strict=True):
-        if outputs.count(output) > 1:
-            raise UsageError(
-                f"two inputs would be written to {output}. Estimate them into folders of their own."
-            )
-        if output.exists() and output.samefile(path) and output.is_file():
-            raise UsageError(f"-o {output} is the input itself. Choose another name.")
+    outputs = derived(paths, args.output, f".{args.to or 'tum'}")
+    check_format(str(outputs[0]), args.to)
     return list(outputs)
 
 

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
-import json
 import math
-import sys
 from argparse import ArgumentParser, Namespace
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from kreisel.cli.outputs import Output, aligned, output_folder, picture, removed, write_json, write_outputs
+from kreisel.cli.notes import complain
+from kreisel.cli.outputs import (
+    Output,
+    aligned,
+    output_folder,
+    picture,
+    removed,
+    write_json,
+    write_outputs,
+    written,
+)
+from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
 from kreisel.cli.values import UsageError, as_typed, number, one_of
 
 if TYPE_CHECKING:
@@ -76,7 +85,7 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", type=output_folder, metavar="FOLDER", help="folder for pictures and summary.json"
     )
-    parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
+    add_report_arguments(parser, dry_run=True)
     for name, text in _LIMITS.items():
         parser.add_argument(
             f"--max-{name.replace('_', '-')}",
@@ -94,6 +103,10 @@ def run(args: Namespace) -> int:
 
     truth = read_truth(args.truth, args.truth_topic or ())
     estimate = _estimate(args.estimate, args.estimate_topic or (), args.imu)
+    outputs = _outputs(truth, estimate, args.limit_deg)
+    if args.dry_run:
+        reads = {args.truth: described(truth), args.estimate: described(estimate)}
+        return tell_plan(args, reads, written(args.output, outputs))
     errors = attitude_errors(truth, estimate, align=args.align, clock_offset=args.clock_offset)
     summary = errors.summary(args.limit_deg)
     limits = _limits(args, summary)
@@ -107,10 +120,9 @@ def run(args: Namespace) -> int:
     }
     files = []
     if args.output is not None:
-        outputs = _outputs(truth, estimate, args.limit_deg)
         files = write_outputs(args.output, outputs, (report, errors))
     if args.json:
-        print(json.dumps(report, indent=2, allow_nan=False))
+        print_json(report)
     else:
         _print(args, errors, summary, files)
     return _complain_of(limits)
@@ -173,7 +185,7 @@ def _complain_of(limits: list[dict[str, Any]]) -> int:
     missed = [limit for limit in limits if not limit["held"]]
     for limit in missed:
         value = "never" if limit["value"] is None else f"{limit['value']:.4g}"
-        sys.stderr.write(f"kreisel: {_LIMITS[limit['name']]}: {value}, allowed {limit['limit']:g}\n")
+        complain(f"{_LIMITS[limit['name']]}: {value}, allowed {limit['limit']:g}")
     return 3 if missed else 0
 
 

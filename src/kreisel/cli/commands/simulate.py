@@ -6,7 +6,7 @@ import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,7 +21,10 @@ from kreisel.cli.outputs import (
     output_folder,
     simulation_outputs,
     write_outputs,
+    written,
 )
+from kreisel.cli.progress import Progress
+from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
 from kreisel.cli.surroundings import (
     add_place_arguments,
     describe_declination,
@@ -41,6 +44,8 @@ if TYPE_CHECKING:
     from kreisel.simulate.imu import Imu
 
 HELP = "IMU data of a body that moves along the poses, waypoints or segments in a file"
+
+SCHEMA = "kreisel.simulate/1"
 
 _EXAMPLES = """\
 examples:
@@ -107,6 +112,7 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.add_argument("--animation", action="store_true", help="also write motion.gif")
     parser.add_argument("--rerun", action="store_true", help="also write motion.rrd for the Rerun viewer")
+    add_report_arguments(parser, dry_run=True)
     parser.add_argument(
         "--check",
         action="store_true",
@@ -139,9 +145,17 @@ def run(args: Namespace) -> int:
             rerun=args.rerun,
         )
         check_outputs(args.output, outputs)
-    motion, held = read_course(args)
-    made = Simulation(motion, mounts, *record_all(imus, motion, args.seed))
+    with Progress(None, "differentiating"):
+        motion, held = read_course(args)
+    if args.dry_run:
+        reads = {args.input: f"{held} -> {len(motion)} IMU samples"}
+        return tell_plan(args, reads, written(args.output, outputs))
+    with Progress(len(imus), "IMUs") as progress:
+        made = Simulation(motion, mounts, *record_all(imus, motion, args.seed, progress.advance))
     lines = write_outputs(args.output, outputs, made)
+    if args.json:
+        print_json(_report(args, motion, mounts, sensors, written(args.output, outputs)))
+        return 0
     told = ", ".join(dict.fromkeys(named or "ideal sensor" for named in sensors))
     told += f", seed {args.seed}" if made.recorded else ""
     print(f"{args.input}: {held} -> {len(motion)} IMU samples, {told}")
@@ -154,6 +168,31 @@ def run(args: Namespace) -> int:
         print("integrated back from the first pose, the largest errors are:")
         print(aligned(_round_trips(imus, motion, made)))
     return 0
+
+
+def _report(
+    args: Namespace,
+    motion: Motion,
+    mounts: Sequence[Mount],
+    sensors: Sequence[str | None],
+    files: Sequence[Path],
+) -> dict[str, Any]:
+    """What was made, in SI units and the axes of ENU/FLU."""
+    return {
+        "schema": SCHEMA,
+        "file": args.input,
+        "samples": len(motion),
+        "start_s": float(motion.t[0]),
+        "end_s": float(motion.t[-1]),
+        "t0_ns": motion.t0_ns,
+        "seed": args.seed,
+        "imus": [
+            {"name": mount.name, "sensor": sensor, "p_BS_m": mount.p_BS.tolist(), "R_BS": mount.R_BS.tolist()}
+            for mount, sensor in zip(mounts, sensors, strict=True)
+        ],
+        "notes": [note.text for note in motion.notes],
+        "files": [str(path) for path in files],
+    }
 
 
 def _round_trips(imus: Sequence[Imu], motion: Motion, made: Simulation) -> list[str]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from argparse import ArgumentParser, Namespace
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kreisel.cli.batch import expanded
 from kreisel.cli.filters import add_filter_arguments, chosen_filter, tuning_help
+from kreisel.cli.progress import Progress
+from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
 from kreisel.cli.values import as_typed, one_of, whole
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def configure(parser: ArgumentParser) -> None:
         "--draws", type=whole(1), default=3, metavar="N", help="times that each scenario is simulated (3)"
     )
     parser.add_argument("-o", "--output", metavar="FILE", help="file for the filter's table (.toml)")
-    parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
+    add_report_arguments(parser, dry_run=True)
     parser.epilog = _EXAMPLES
 
 
@@ -62,12 +63,17 @@ def run(args: Namespace) -> int:
 
     filter = chosen_filter(args)
     vary = None if args.vary is None else _varied(filter, args.vary)
-    trials = [trial for text in args.trials for trial in _trials(text, args.draws)]
-    tuning = tune(filter, trials, vary=vary, score=args.score, progress=_progress(len(trials)))
+    texts = expanded(args.trials)
+    trials = [trial for text in texts for trial in _trials(text, args.draws)]
+    if args.dry_run:
+        reads = {f"{k}: {trial.name or 'recording'}": described(trial) for k, trial in enumerate(trials, 1)}
+        return tell_plan(args, reads, [args.output] if args.output else [])
+    with Progress(None, f"trying settings on {len(trials)} recordings") as progress:
+        tuning = tune(filter, trials, vary=vary, score=args.score, progress=progress.reach)
     if args.output is not None:
         _write(args, tuning)
     if args.json:
-        print(json.dumps(_report(args, tuning), indent=2, allow_nan=False))
+        print_json(_report(args, tuning))
     else:
         _print(args, tuning)
     return 0
@@ -107,17 +113,6 @@ def _trials(text: str, draws: int) -> list[Trial]:
     return [trial]
 
 
-def _progress(trials: int) -> Any:
-    """A line on stderr where a person looks on."""
-    if not sys.stderr.isatty():
-        return None
-
-    def show(settings: int) -> None:
-        sys.stderr.write(f"\r\x1b[K{settings} settings on {trials} recordings")
-
-    return show
-
-
 def _write(args: Namespace, tuning: Tuning) -> None:
     import tomli_w
 
@@ -154,8 +149,6 @@ def _report(args: Namespace, tuning: Tuning) -> dict[str, Any]:
 def _print(args: Namespace, tuning: Tuning) -> None:
     from kreisel.cli.tables import print_table
 
-    if sys.stderr.isatty():
-        sys.stderr.write("\r\x1b[K")
     rows = [[g.recording, f"{g.default_deg:.3f}", f"{g.proposed_deg:.3f}"] for g in tuning.left_out]
     means = [
         sum(getattr(g, name) for g in tuning.left_out) / len(rows) for name in ("default_deg", "proposed_deg")
