@@ -1,5 +1,6 @@
 """`kreisel report` of a scenario, of the folder of its run, of a recording; and what it says of anything else."""
 
+import json
 import re
 import sys
 
@@ -70,6 +71,18 @@ def test_a_recording_with_estimates_and_truth(resting, capsys):
     page = (resting / "b.html").read_text()
     assert 'id="errors"' in page and "at (100, 0, 0) mm in the body" in page
     assert main(["report", "imu.csv", "--truth", "mine.npz", "-o", "c.html"]) == 0
+
+
+def test_a_dry_run_checks_and_writes_nothing_and_json_names_the_page(resting, capsys):
+    assert main(["report", "circle.toml", "--dry-run"]) == 0
+    told = capsys.readouterr().out
+    assert "sound: circle.toml: a scenario of 201 samples" in told and "would write: report.html" in told
+    assert main(["report", "imu.csv", "--estimate", "mine.npz", "--dry-run"]) == 0
+    assert "1 IMU, 1 estimate" in capsys.readouterr().out and not list(resting.glob("*.html"))
+    assert main(["report", "imu.csv", "--estimate", "mine.npz", "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["schema"] == "kreisel.report/1" and told["files"] == ["report.html"]
+    assert told["bytes"] == (resting / "report.html").stat().st_size
 
 
 def test_what_cannot_be_is_one_sentence(resting, capsys, monkeypatch):

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kreisel.cli.inputs import check_units
+from kreisel.cli.progress import Progress
+from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
 from kreisel.cli.values import UsageError, as_typed, one_of
 
 if TYPE_CHECKING:
@@ -15,6 +17,8 @@ if TYPE_CHECKING:
     from kreisel.data.recording import ImuRecording
     from kreisel.evaluate.attitude_errors import Truth
     from kreisel.study.account import Account
+
+SCHEMA = "kreisel.report/1"
 
 HELP = "one HTML page of a run: the body in space, played, and linked charts"
 
@@ -63,6 +67,7 @@ def configure(parser: ArgumentParser) -> None:
     of_recordings.add_argument(
         "--trust-units", action="store_true", help="take readings that look impossible"
     )
+    add_report_arguments(parser, dry_run=True)
     parser.epilog = _EXAMPLES
 
 
@@ -77,30 +82,63 @@ def run(args: Namespace) -> int:
     library("bokeh", "report", "kreisel report")
     with as_typed():
         writable(args.output, (".html",))
-    path = write_report(_account(args), args.output)
-    size = path.stat().st_size / 1e6
-    print(f"{path}: {size:.1f} MB, written in {time.perf_counter() - started:.1f} s; open it in a browser")
+    if args.dry_run:
+        return tell_plan(args, {args.result: _described(args)}, [args.output])
+    with Progress(None, "report"):
+        path = write_report(_account(args), args.output)
+    size = path.stat().st_size
+    if args.json:
+        print_json({"schema": SCHEMA, "result": args.result, "bytes": size, "files": [str(path)]})
+        return 0
+    seconds = time.perf_counter() - started
+    print(f"{path}: {size / 1e6:.1f} MB, written in {seconds:.1f} s; open it in a browser")
     return 0
+
+
+def _is_folder(source: Path) -> bool:
+    """Whether it may be what `kreisel run` wrote: a bag of ROS 2 is a folder as well, and a recording."""
+    return source.is_dir() and not (source / "metadata.yaml").exists()
+
+
+def _is_scenario(source: Path) -> bool:
+    return source.suffix.lower() == ".toml"
+
+
+def _described(args: Namespace) -> str:
+    """What RESULT is, in a few words; a scenario is checked and not run."""
+    source = Path(args.result)
+    if _is_scenario(source):
+        from kreisel.study.building import build
+        from kreisel.study.scenario import Scenario
+
+        _refuse_options_of_recordings(args, "a scenario")
+        return f"a scenario of {len(build(Scenario.load(source)).t)} samples"
+    account = _account(args)
+    imus, answers = len(account.readings), len(account.answers)
+    return f"{imus} IMU{'' if imus == 1 else 's'}, {answers} estimate{'' if answers == 1 else 's'}"
 
 
 def _account(args: Namespace) -> Account:
     source = Path(args.result)
-    is_run = source.is_dir() and not (source / "metadata.yaml").exists()  # which a bag of ROS 2 has
-    if not is_run and source.suffix.lower() != ".toml":
-        return _of_recording(args, source)
-    given = next((name for name in _OF_RECORDINGS if getattr(args, name) is not None), None)
-    if given is not None:
-        kind = "a folder" if is_run else "a scenario"
-        raise UsageError(f"--{given} goes with an IMU recording; {source} is {kind} and says it all.")
-    if is_run:
+    if _is_folder(source):
         from kreisel.study.folder import read_account
 
+        _refuse_options_of_recordings(args, "a folder")
         return read_account(source)
+    if not _is_scenario(source):
+        return _of_recording(args, source)
     from kreisel.study.account import account_of
     from kreisel.study.run import run as run_scenario
     from kreisel.study.scenario import Scenario
 
+    _refuse_options_of_recordings(args, "a scenario")
     return account_of(run_scenario(Scenario.load(source)))
+
+
+def _refuse_options_of_recordings(args: Namespace, kind: str) -> None:
+    given = next((name for name in _OF_RECORDINGS if getattr(args, name) is not None), None)
+    if given is not None:
+        raise UsageError(f"--{given} goes with an IMU recording; {args.result} is {kind} and says it all.")
 
 
 def _of_recording(args: Namespace, source: Path) -> Account:
