@@ -36,6 +36,7 @@ NOUNS = [
     kreisel.attitude_errors(MOTION.at(MOUNT), ATTITUDE),
     kreisel.motion_errors(MOTION, MOTION),
     kreisel.Imu().increments(MOTION),
+    kreisel.Imu().record_increments(MOTION, 1),
     kreisel.allan(STILL.measured),
     kreisel.allan(STILL.measured).noise,
     kreisel.Calibration(),

@@ -120,12 +120,15 @@ def check_unit(option: str, unit: str, group: str) -> None:
         raise UsageError(f"{option}: {error}") from None
 
 
-def check_units(recording: ImuRecording, path: str, trusted: bool) -> None:
-    """Refuse impossible units unless they are trusted; doubtful ones are a note on stderr."""
+def check_units(recording: ImuRecording, path: str, trusted: bool, unit: str = "accel_x='ax [g]'") -> None:
+    """Refuse impossible units unless they are trusted; doubtful ones are a note on stderr.
+
+    unit : how the unit of a column is named, for the complaint.
+    """
     impossible = impossible_units(recording)
     if impossible and not trusted:
         raise ValueError(
-            f"{path}: {' And '.join(impossible)} Name the unit (--column accel_x='ax [g]'), "
+            f"{path}: {' And '.join(impossible)} Name the unit (--column {unit}), "
             "or insist with --trust-units."
         )
     for doubt in unit_doubts(recording):

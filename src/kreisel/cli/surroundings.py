@@ -10,19 +10,21 @@ from kreisel.cli.values import UsageError, as_typed
 from kreisel.data.environment import Environment
 
 
-def add_place_arguments(parser: ArgumentParser) -> None:
-    """--place, --date and --turning."""
+def add_place_arguments(parser: ArgumentParser, dated: bool = True) -> None:
+    """--place, --date (where `dated`: it gives a magnetic field) and --turning."""
     parser.add_argument(
         "--place",
         metavar="LAT,LON[,HEIGHT]",
         help="where on the Earth the origin is, in deg (north and east positive) and m: gives gravity; in the south "
         "written with =, as in --place=-33.9,18.4",
     )
-    parser.add_argument(
-        "--date",
-        metavar="YYYY-MM-DD",
-        help="the day, for the magnetic field at --place: the IMUs get magnetometers",
-    )
+    parser.set_defaults(date=None)
+    if dated:
+        parser.add_argument(
+            "--date",
+            metavar="YYYY-MM-DD",
+            help="the day, for the magnetic field at --place: the IMUs get magnetometers",
+        )
     parser.add_argument(
         "--turning",
         action="store_true",

@@ -16,6 +16,7 @@ from kreisel.data.cards import Card, Shown
 from kreisel.data.checks import Array, as_array, choice, finite, instance, read_only, scalar
 from kreisel.data.noise import NoiseModel
 from kreisel.data.recording import SOURCE, ImuRecording
+from kreisel.evaluate.noise_units import COEFFICIENT
 from kreisel.maths.allan import Sizes, overlapping_variances, terms, variance_forms
 from kreisel.maths.noise_likelihood import likeliest, lower_end, powers, upper_end, without
 

@@ -89,6 +89,16 @@ class Clock(Shown):
         ):
             object.__setattr__(self, name, scalar(name, getattr(self, name), unit, *bounds))
 
+    def check_contiguous(self) -> None:
+        """Refuse what increments, which span all the time between the stamps, cannot be sampled by."""
+        for sensor in ("gyro", "accel"):
+            if getattr(self, sensor) != Sampling():
+                raise ValueError(
+                    f"increments follow each other without a gap, from stamp to stamp of the motion: rate, latency and "
+                    f"window of clock.{sensor} do not apply. Leave its Sampling out, and sample the motion at the rate "
+                    "at which the unit delivers."
+                )
+
     def stamps(self, t: Array, stream: Stream) -> Array:
         """Stamps (n,) s, strictly increasing, of samples taken at true times t (n,) s."""
         stamped = t + self.offset + self.rate_offset * (t - t[0])
@@ -120,6 +130,13 @@ def steps(t: Array) -> Array:
 def count(rows: Rows) -> int:
     """How many samples `rows` picks."""
     return rows.stop - rows.start if isinstance(rows, slice) else len(rows)
+
+
+def part(rows: Rows, block: slice) -> Rows:
+    """Those of `rows` that a block of them, counted from their first, holds."""
+    return (
+        slice(rows.start + block.start, rows.start + block.stop) if isinstance(rows, slice) else rows[block]
+    )
 
 
 def spread(x: Array, rows: Rows, n: int) -> Array:

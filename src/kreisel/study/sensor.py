@@ -7,10 +7,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from kreisel.data.environment import Environment
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.simulate.imu import Imu
-from kreisel.simulate.recorded import Recorded
+from kreisel.simulate.recorded import Delivered, Recorded
 
 
 def sensor_imu(
@@ -63,17 +64,35 @@ def errs(imu: Imu) -> bool:
 
 def record_all(
     imus: Sequence[Imu], motion: Motion, seed: int, on_done: Callable[[], object] | None = None
-) -> tuple[tuple[ImuRecording, ...], tuple[Recorded, ...]]:
+) -> tuple[tuple[ImuRecording, ...], tuple[Recorded[ImuRecording], ...]]:
     """What each IMU read, and of those that err what is known of it; a perfect one in peace needs no draw.
 
     on_done : called after each IMU.
     """
-    readings: list[ImuRecording] = []
-    known: list[Recorded] = []
+    return _read_all(imus, lambda imu: imu.record(motion, seed), lambda imu: imu.ideal(motion), on_done)
+
+
+def add_up_all(
+    imus: Sequence[Imu], motion: Motion, seed: int, on_done: Callable[[], object] | None = None
+) -> tuple[tuple[ImuIncrements, ...], tuple[Recorded[ImuIncrements], ...]]:
+    """The same for units that add up inside."""
+    return _read_all(
+        imus, lambda imu: imu.record_increments(motion, seed), lambda imu: imu.increments(motion), on_done
+    )
+
+
+def _read_all(
+    imus: Sequence[Imu],
+    record: Callable[[Imu], Recorded[Delivered]],
+    ideal: Callable[[Imu], Delivered],
+    on_done: Callable[[], object] | None,
+) -> tuple[tuple[Delivered, ...], tuple[Recorded[Delivered], ...]]:
+    readings: list[Delivered] = []
+    known: list[Recorded[Delivered]] = []
     for imu in imus:
         if errs(imu):
-            known.append(imu.record(motion, seed))
-        readings.append(known[-1].measured if errs(imu) else imu.ideal(motion))
+            known.append(record(imu))
+        readings.append(known[-1].measured if errs(imu) else ideal(imu))
         if on_done is not None:
             on_done()
     return tuple(readings), tuple(known)

@@ -18,6 +18,7 @@ from kreisel.cli.values import UsageError, one_of
 from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.facts import clock_of
 from kreisel.data.frames import from_enu_flu, to_enu_flu
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trial import Trial
 from kreisel.files.doors import format_names, write
@@ -149,9 +150,8 @@ def _recording(path: str, content: Any, args: Namespace) -> ImuRecording:
     """The IMU's part in our axes; units that cannot be are refused unless they are trusted."""
     data = content.recording if isinstance(content, Trial) else content
     if not isinstance(data, ImuRecording):
-        raise ValueError(
-            f"{path} holds {type(data).__name__}, not an IMU recording. Say --kind imu if it has both."
-        )
+        cure = " to take their mean rates" if isinstance(data, ImuIncrements) else " if it has both"
+        raise ValueError(f"{path} holds {type(data).__name__}, not an IMU recording. Say --kind imu{cure}.")
     recording = to_enu_flu(data, args.frame)
     check_units(recording, path, args.trust_units)
     return recording

@@ -142,12 +142,13 @@ def _clock_offset(text: str) -> float | str:
 
 def read_truth(path: str, topic: str | tuple[()] = ()) -> Truth:
     """What a file knows of the true attitude; ValueError for an IMU recording."""
+    from kreisel.data.increments import ImuIncrements
     from kreisel.data.recording import ImuRecording
     from kreisel.data.trial import Trial
     from kreisel.files.doors import read
 
     data = read(path, topic=topic)
-    if isinstance(data, ImuRecording):
+    if isinstance(data, ImuRecording | ImuIncrements):
         raise ValueError(f"{path} is an IMU recording and has no attitude to compare with.")
     return data.reference if isinstance(data, Trial) else data
 

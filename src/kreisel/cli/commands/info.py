@@ -25,6 +25,7 @@ _NOUNS = {
     "Poses": "poses",
     "Motion": "complete motion",
     "ImuRecording": "IMU recording",
+    "ImuIncrements": "IMU increments",
     "AttitudeHistory": "attitude over time",
     "Reference": "reference attitude",
 }

@@ -32,10 +32,11 @@ from kreisel.cli.surroundings import (
     describe_gravity,
     environment_at,
 )
-from kreisel.cli.values import as_typed, one_of, sensor_name, whole
-from kreisel.data.checks import file_name
+from kreisel.cli.values import UsageError, as_typed, one_of, sensor_name, whole
+from kreisel.data.checks import choice, file_name
 from kreisel.data.environment import Environment
 from kreisel.data.frames import WORLDS, to_enu_flu
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.files.doors import format_names
@@ -52,6 +53,7 @@ examples:
   kreisel simulate poses.csv -o out/
   kreisel simulate poses.tum -o out/ --rate 400 --imu wrist:0.02,0,0.05
   kreisel simulate poses.csv -o out/ --imu bmi088 --seed 7
+  kreisel simulate poses.csv -o out/ --imu adis16495 --seed 7 --increments
   kreisel simulate poses.csv -o out/ --sensor bmi088 --imu left:0,0.1,0 --imu right:0,-0.1,0
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
   kreisel simulate mocap.csv -o out/ --noise 0.1mm,0.01deg --max-gap 0.5
@@ -99,6 +101,17 @@ def configure(parser: ArgumentParser) -> None:
         help="tangent or transport, in place of the file's attitude; of waypoints and profiles tangent or level",
     )
     add_course_arguments(parser)
+    _add_output_arguments(parser)
+    parser.epilog = _EXAMPLES
+
+
+def _add_output_arguments(parser: ArgumentParser) -> None:
+    parser.add_argument(
+        "--increments",
+        action="store_true",
+        help="what navigation-grade units deliver: turn, velocity and, without errors, position of every interval "
+        "between the samples, in place of rates",
+    )
     parser.add_argument(
         "--to-frame", default="enu-flu", type=world, help=f"world of the output: {', '.join(WORLDS)}"
     )
@@ -107,7 +120,8 @@ def configure(parser: ArgumentParser) -> None:
         default="csv",
         metavar="FORMAT",
         type=one_of(lambda: format_names(ImuRecording)),
-        help=f"{', '.join(format_names(ImuRecording))} (default: csv)",
+        help=f"{', '.join(format_names(ImuRecording))} (default: csv); "
+        f"with --increments {', '.join(format_names(ImuIncrements))}",
     )
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.add_argument("--animation", action="store_true", help="also write motion.gif")
@@ -119,14 +133,14 @@ def configure(parser: ArgumentParser) -> None:
         help="integrate the ideal IMU data, and those of a sensor with errors, back from the first pose and print how "
         "far each ends up from the truth",
     )
-    parser.epilog = _EXAMPLES
 
 
 def run(args: Namespace) -> int:
     """Read, differentiate, mount, write."""
-    from kreisel.study.sensor import errs, record_all, sensor_imu
+    from kreisel.study.sensor import add_up_all, errs, record_all, sensor_imu
 
     started = time.perf_counter()
+    _check_increments(args)
     with as_typed():
         given = [parse_imu(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
     mounts = [to_enu_flu(mount, args.frame) for mount, _ in given]
@@ -138,6 +152,7 @@ def run(args: Namespace) -> int:
             [mount.name for mount in mounts],
             erring=[imu.mount.name for imu in imus if errs(imu)],
             magnetometer=environment.field_N_uT is not None,
+            increments=args.increments,
             world=args.to_frame,
             imu_format=args.imu_format,
             pictures=not args.no_pictures,
@@ -150,15 +165,17 @@ def run(args: Namespace) -> int:
     if args.dry_run:
         reads = {args.input: f"{held} -> {len(motion)} IMU samples"}
         return tell_plan(args, reads, written(args.output, outputs))
+    read = add_up_all if args.increments else record_all
     with Progress(len(imus), "IMUs") as progress:
-        made = Simulation(motion, mounts, *record_all(imus, motion, args.seed, progress.advance))
+        made = Simulation(motion, mounts, *read(imus, motion, args.seed, progress.advance))
     lines = write_outputs(args.output, outputs, made)
     if args.json:
         print_json(_report(args, motion, mounts, sensors, written(args.output, outputs)))
         return 0
     told = ", ".join(dict.fromkeys(named or "ideal sensor" for named in sensors))
     told += f", seed {args.seed}" if made.recorded else ""
-    print(f"{args.input}: {held} -> {len(motion)} IMU samples, {told}")
+    what = "increments" if args.increments else "samples"
+    print(f"{args.input}: {held} -> {len(made.recordings[0])} IMU {what}, {told}")
     if args.place is not None:
         print(f"  {_described(environment)}")
     print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
@@ -195,12 +212,25 @@ def _report(
     }
 
 
+def _check_increments(args: Namespace) -> None:
+    """Refuse what units that add up cannot have."""
+    if not args.increments:
+        return
+    if args.date is not None:
+        raise UsageError(
+            "--date gives the IMUs magnetometers, which have no increments. Leave one of them out."
+        )
+    with as_typed():
+        choice("--imu-format", args.imu_format, format_names(ImuIncrements))
+
+
 def _round_trips(imus: Sequence[Imu], motion: Motion, made: Simulation) -> list[str]:
     from kreisel.study.sensor import errs
 
     lines: list[str] = []
     for imu, measured in zip(imus, made.recordings, strict=True):
-        lines += describe_round_trip(imu, motion, measured if errs(imu) else None)
+        shown = errs(imu) or isinstance(measured, ImuIncrements)
+        lines += describe_round_trip(imu, motion, measured if shown else None)
     return lines
 
 
