@@ -145,6 +145,7 @@ def _outputs(scenario: Scenario, pictures: bool) -> list[Output[Result]]:
     """Every file that a run of `scenario` writes."""
     from kreisel.study.building import imus as made_of
     from kreisel.study.building import surroundings
+    from kreisel.study.folder import REPORT
     from kreisel.study.sensor import errs
 
     imus, world = [imu.name for imu in scenario.imus], surroundings(scenario.environment)
@@ -154,7 +155,7 @@ def _outputs(scenario: Scenario, pictures: bool) -> list[Output[Result]]:
     outputs: list[Output[Result]] = [
         *simulation_outputs(imus, erring=erring, magnetometer=magnetometer, pictures=pictures),
         Output(
-            "report.json",
+            REPORT,
             "the scenario and all errors, for programs",
             lambda made, path: write_json(made.report(), path),
         ),
@@ -167,7 +168,9 @@ def _outputs(scenario: Scenario, pictures: bool) -> list[Output[Result]]:
 
 def _estimate_outputs(k: int, imu: str, filter: str, pictures: bool) -> list[Output[Result]]:
     """The files of estimate number `k`."""
-    stem = f"attitude-{imu}-{filter}".replace(" ", "-")
+    from kreisel.study.folder import estimate_stem
+
+    stem = estimate_stem(imu, filter)
 
     def attitude(made: Result, path: Path) -> None:
         write(path, made.estimates[k].attitude)
