@@ -116,6 +116,7 @@ if TYPE_CHECKING:
     from kreisel.simulate.trajectories.sampled import SampledTrajectory as SampledTrajectory
     from kreisel.simulate.trajectories.waypoints import WaypointTrajectory as WaypointTrajectory
     from kreisel.simulate.trajectories.waypoints import waypoints as waypoints
+    from kreisel.study.engine import run_blocks as run_blocks
     from kreisel.study.round_trip import round_trip as round_trip
     from kreisel.study.scenario import Scenario as Scenario
     from kreisel.study.tune import tune as tune
@@ -189,6 +190,7 @@ _HOMES = {
     "run": "kreisel.estimate.run",
     "run_all": "kreisel.estimate.batch",
     "run_batch": "kreisel.estimate.batch",
+    "run_blocks": "kreisel.study.engine",
     "smooth": "kreisel.estimate.smooth",
     "smooth_all": "kreisel.estimate.smooth",
     "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
