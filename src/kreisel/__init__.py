@@ -119,6 +119,7 @@ if TYPE_CHECKING:
     from kreisel.study.engine import run_blocks as run_blocks
     from kreisel.study.round_trip import round_trip as round_trip
     from kreisel.study.scenario import Scenario as Scenario
+    from kreisel.study.sweep import sweep as sweep
     from kreisel.study.tune import tune as tune
 
 __version__ = "0.1.0"
@@ -201,6 +202,7 @@ _HOMES = {
     "Smoothing": "kreisel.data.smoothing",
     "Stream": "kreisel.estimate.stream",
     "TemperatureBias": "kreisel.simulate.effects.temperature_bias",
+    "sweep": "kreisel.study.sweep",
     "TemperatureHistory": "kreisel.data.temperature",
     "TemperatureScale": "kreisel.simulate.effects.temperature_scale",
     "Trajectory": "kreisel.data.trajectory",

@@ -12,6 +12,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -61,12 +62,16 @@ def free_port() -> int:
         return int(s.getsockname()[1])
 
 
-def _started(command: list[str], extra_path: Path | None) -> subprocess.Popen:
+def python(command: list, extra_path: Path | None = None, **settings: Any) -> subprocess.Popen:
+    """A process that finds this checkout and the programs beside this Python, in a process group of its own."""
     places = [*([extra_path] if extra_path else []), ROOT / "src", ROOT]
     environment = {
         **os.environ,
         "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]),
         "PYTHONPATH": os.pathsep.join(map(str, places)),
     }
-    quiet = subprocess.DEVNULL
-    return subprocess.Popen(command, env=environment, stdout=quiet, stderr=quiet, start_new_session=True)
+    return subprocess.Popen(command, env=environment, start_new_session=True, **settings)
+
+
+def _started(command: list[str], extra_path: Path | None) -> subprocess.Popen:
+    return python(command, extra_path, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

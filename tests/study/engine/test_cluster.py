@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import socket
 import subprocess
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -12,6 +16,7 @@ import numpy as np
 import pytest
 
 from kreisel import run_blocks
+from kreisel.study.engine.checkpoints import Checkpoints
 from tests.study.engine import by_hand
 from tests.study.engine.noisy import Deadly, Noisy, alike
 
@@ -37,6 +42,19 @@ def test_workers_of_our_own(tmp_path: Path) -> None:
     study = dict(run_blocks(work, 100, backend="dask", threads=2))
     assert work.mark.exists()
     assert alike(study, dict(run_blocks(Noisy(), 100)))
+
+
+def test_a_block_that_kills_again_and_again_is_named(tmp_path: Path) -> None:
+    """Dask gives up after four deaths; here after the first, for the time that a new worker takes."""
+    import dask
+
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 0}),
+        pytest.raises(
+            ChildProcessError, match=r"every worker that took up block 0 died of it.*out of memory"
+        ),
+    ):
+        list(run_blocks(Deadly(tmp_path / "no" / "mark", deadly=0), 1, backend="dask", threads=1))
 
 
 def test_small_blocks_share_a_task(scheduler: str, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -115,13 +133,19 @@ def test_another_version_there_is_refused(tmp_path: Path) -> None:
         next(run_blocks(Noisy(), 1, backend=address))
 
 
-def test_a_scheduler_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("listens", [False, True], ids=["nobody", "somebody who never answers"])
+def test_a_scheduler_that_is_not_there(listens: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("kreisel.study.engine.cluster.CONNECT_SECONDS", 1)
-    address = f"tcp://127.0.0.1:{by_hand.free_port()}"
-    with pytest.raises(
-        ConnectionError, match=f"no Dask scheduler answers at {address}.*Start one: dask scheduler"
-    ):
-        next(run_blocks(Noisy(), 1, backend=address))
+    with socket.socket() as place:
+        place.bind(("127.0.0.1", 0))
+        if listens:
+            place.listen()
+        address = f"tcp://127.0.0.1:{place.getsockname()[1]}"
+        told = f"no Dask scheduler answers at {address} .*Start one: dask scheduler"
+        start = time.monotonic()
+        with pytest.raises(ConnectionError, match=told):
+            next(run_blocks(Noisy(), 1, backend=address))
+        assert time.monotonic() - start < 6
 
 
 def test_a_scheduler_without_workers(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -129,3 +153,31 @@ def test_a_scheduler_without_workers(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr("kreisel.study.engine.cluster._WORKER_SECONDS", 1)
         with pytest.raises(ConnectionError, match=f"has no worker. Start one: dask worker {address}"):
             next(run_blocks(Noisy(), 1, backend=address))
+
+
+CTRL_C = """
+import sys
+from kreisel import run_blocks
+from tests.study.engine.noisy import Noisy
+if __name__ == "__main__":
+    for block, _ in run_blocks(Noisy(pause=0.05), 2000, backend="dask", threads=1, folder=sys.argv[1]):
+        print(block, flush=True)
+"""
+
+
+def test_ctrl_c_keeps_what_workers_have_finished(tmp_path: Path) -> None:
+    """A terminal sends it to the workers too: they leave the farewell to the process that started them."""
+    (tmp_path / "script.py").write_text(CTRL_C)
+    command = [sys.executable, tmp_path / "script.py", tmp_path / "study"]
+    process = by_hand.python(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        given_out = [int(process.stdout.readline()) for _ in range(20)]
+        os.killpg(process.pid, signal.SIGINT)
+        out, errors = process.communicate(timeout=30)
+    finally:
+        by_hand.kill(process)
+    assert process.returncode == -signal.SIGINT
+    assert errors.count("Traceback") == 1 and errors.rstrip().endswith("KeyboardInterrupt"), errors
+    given_out += map(int, out.split())
+    finished = {block for block, _ in Checkpoints(tmp_path / "study").finished(2000)}
+    assert finished >= set(given_out) and len(finished) < 2000

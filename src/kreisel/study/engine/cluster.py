@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import logging
 import queue
 import warnings
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from kreisel.files.extras import library
@@ -22,6 +24,9 @@ AHEAD = 2
 """Groups handed in per worker thread: one that runs, and one for when it is done."""
 
 _WORKER_SETUP = "kreisel.study.engine.local_worker"
+
+_LEAN = {"distributed.worker.profile.enabled": False, "distributed.admin.tick.interval": "1s"}
+"""What Dask observes of its workers for the dashboard, a hundred times a second: a tenth of a busy machine's time."""
 
 _WORKER_SECONDS = 8
 _LOOK_SECONDS = 5.0
@@ -63,7 +68,7 @@ class _Stream:
     def __init__(
         self, client: Any, pickled: bytes, blocks: Sequence[int], keep: Callable[[int, Any], None]
     ) -> None:
-        self._client, self._keep = client, keep
+        self._client, self._keep, self._address = client, keep, client.scheduler.address
         self._groups, self._pending = Groups(blocks), dict[Any, Sequence[int]]()
         self._finished: queue.SimpleQueue[Any] = queue.SimpleQueue()
         with warnings.catch_warnings():
@@ -89,7 +94,7 @@ class _Stream:
             self._client.cancel([*self._pending, self._work], force=True)
 
     def _send(self) -> None:
-        slots = max(1, _slots(self._client))
+        slots = _slots(self._client) or 1
         while len(self._pending) < AHEAD * slots and (group := self._groups.deal(slots)):
             future = self._client.submit(computed, self._work, versions(), tuple(group), pure=False)
             self._pending[future] = group
@@ -104,16 +109,18 @@ class _Stream:
                 if not told and _slots(self._client) == 0:
                     told = True
                     warnings.warn(
-                        f"no worker is left; waiting for one: {_worker_command(self._client)}", stacklevel=2
+                        f"no worker is left; waiting for one: dask worker {self._address}", stacklevel=2
                     )
 
     def _fetched(self, future: Any) -> list[tuple[int, Any]]:
         """The results of a group, kept."""
-        group = self._pending.pop(future)
+        group = self._pending[future]
         made, seconds, size = _result(future, group)
         self._groups.took(len(group), seconds, size)
         for block, result in made:
             self._keep(block, result)
+        # Not before: Ctrl-C may come in between, and `close` fetches what is still pending.
+        del self._pending[future]
         return made
 
 
@@ -129,8 +136,8 @@ def _result(future: Any, group: Sequence[int]) -> tuple[list[tuple[int, Any]], f
             f"every worker that took up {_named(group)} died of it, the last at {error.last_worker.address}: out of "
             "memory? Give the workers more (dask worker --memory-limit), or let fewer of them share a machine."
         ) from None
-    except (CancelledError, TimeoutError, OSError) as error:
-        if _is_own(future, error):
+    except (CancelledError, TimeoutError, OSError):
+        if future.status == "error":  # the work's own
             raise
         raise ConnectionError(
             "the Dask scheduler has gone; blocks that were not finished are lost with it. "
@@ -139,25 +146,16 @@ def _result(future: Any, group: Sequence[int]) -> tuple[list[tuple[int, Any]], f
     return result
 
 
-def _is_own(future: Any, error: BaseException) -> bool:
-    """Whether `error` is the work's own and no failure of the connection."""
-    return future.status == "error" and not isinstance(error, TimeoutError)
-
-
 def _named(group: Sequence[int]) -> str:
     return f"block {group[0]}" if len(group) == 1 else f"blocks {group[0]} to {group[-1]}"
 
 
-def _slots(client: Any) -> int:
-    """Threads of all workers; 0 where the scheduler does not answer."""
+def _slots(client: Any) -> int | None:
+    """Threads of all workers; None where the scheduler does not answer."""
     try:
         return sum(client.nthreads().values())
     except Exception:
-        return 0
-
-
-def _worker_command(client: Any) -> str:
-    return f"dask worker {client.scheduler.address}"
+        return None
 
 
 def _pickled(work: Callable[[int], Any]) -> bytes:
@@ -182,7 +180,7 @@ def _client(address: str | None, workers: int) -> Iterator[Any]:
             client.wait_for_workers(1, timeout=_WORKER_SECONDS)
         except TimeoutError:
             raise ConnectionError(
-                f"the scheduler at {client.scheduler.address} has no worker. Start one: {_worker_command(client)}"
+                f"the scheduler at {address} has no worker. Start one: dask worker {address}"
             ) from None
         yield client
 
@@ -191,31 +189,43 @@ def _client(address: str | None, workers: int) -> Iterator[Any]:
 def _elsewhere(address: str) -> Iterator[Any]:
     from distributed import Client
 
-    try:
-        client = Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
-    except (OSError, ValueError) as error:
-        raise ConnectionError(
-            f"no Dask scheduler answers at {address} (waited {CONNECT_SECONDS} s). Start one: dask scheduler"
-        ) from error
-    with client:
+    # A client waits for ever where something answers that is no scheduler, or one that is stopped.
+    with ThreadPoolExecutor(1) as apart:
+        try:
+            apart.submit(asyncio.run, asyncio.wait_for(_greeting(address), CONNECT_SECONDS)).result()
+        except OSError as error:
+            raise ConnectionError(
+                f"no Dask scheduler answers at {address} (waited {CONNECT_SECONDS} s). Start one: dask scheduler"
+            ) from error
+    with Client(address, timeout=CONNECT_SECONDS, set_as_default=False) as client:
         yield client
+
+
+async def _greeting(address: str) -> None:
+    from distributed.core import rpc
+    from distributed.security import Security
+
+    async with rpc(address, connection_args=Security().get_connection_args("client")) as scheduler:
+        await scheduler.identity()
 
 
 @contextlib.contextmanager
 def _here(workers: int) -> Iterator[Any]:
+    import dask
     from distributed import Client, LocalCluster
 
     try:
-        cluster = LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            processes=True,
-            host="127.0.0.1",
-            dashboard_address="127.0.0.1:0",
-            scheduler_kwargs={"dashboard": False},
-            preload=[_WORKER_SETUP],
-            silence_logs=logging.CRITICAL,
-        )
+        with dask.config.set(_LEAN):
+            cluster = LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                host="127.0.0.1",
+                dashboard_address="127.0.0.1:0",
+                scheduler_kwargs={"dashboard": False},
+                preload=[_WORKER_SETUP],
+                silence_logs=logging.CRITICAL,
+            )
     except RuntimeError as error:
         # Every worker begins by importing the script, and would come here again.
         raise ChildProcessError(
@@ -231,12 +241,14 @@ def _quiet() -> Iterator[None]:
     """Without Dask's own words about connections that fail and versions that differ: ours say it."""
     from distributed.versions import VersionMismatchWarning
 
-    logger = logging.getLogger("distributed")
-    before = logger.level
-    logger.setLevel(logging.CRITICAL)
+    names = [name for name in logging.root.manager.loggerDict if name.partition(".")[0] == "distributed"]
+    before = {logger: logger.level for logger in map(logging.getLogger, names)}
+    for logger in before:
+        logger.setLevel(logging.CRITICAL)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", VersionMismatchWarning)
             yield
     finally:
-        logger.setLevel(before)
+        for logger, level in before.items():
+            logger.setLevel(level)

@@ -23,10 +23,10 @@ def computed(
 
     Raises ValueError where this worker, which may have joined late, has other versions than `expected`.
     """
-    from dask.sizeof import sizeof
-
     if told := differences(versions(), expected):
         raise ValueError(f"a worker has other versions: {told}. Install the same on both.")
+    from dask.sizeof import sizeof
+
     start = perf_counter()
     work = _unpacked(pickled)
     made = [(block, _made(work, block)) for block in blocks]
