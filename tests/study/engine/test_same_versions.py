@@ -67,7 +67,7 @@ def test_what_differs_is_named_with_its_place(place: str, key: str, value: str, 
 
 
 def test_a_worker_that_joins_late_looks_for_itself() -> None:
-    with pytest.raises(ValueError, match='a worker has other versions: numpy is ".*" there and "9.9" here'):
+    with pytest.raises(ValueError, match=r'a worker has other versions: numpy is ".*" there and "9.9" here'):
         computed(b"never unpacked", {**versions(), "numpy": "9.9"}, [0])
 
 
