@@ -246,5 +246,5 @@ def nearest_to_given(R_NS: Array) -> Array:
 
 FILTER = DcmFilter
 
-STATE_VERSION = 1
+STATE_VERSION = 2
 """Raised whenever places of the state change their meaning: streams saved before are then refused."""

@@ -9,9 +9,6 @@ from kreisel.maths.vectors import Array
 
 GRAVITY = 9.80665  # m/s^2
 
-# rad/s/sqrt(Hz): what is known of the rate while the gyro is missing.
-_MISSING_NOISE = 1.0
-
 
 @kernel
 def propagate(state: Array, params: Array, P: Array) -> None:
@@ -46,7 +43,7 @@ def _add_noise(state: Array, params: Array, P: Array) -> None:
     dt = state[at.LENGTH]
     theta = dt * params[at.GYRO_NOISE] ** 2
     theta += state[at.GYRO_SQUARES] * params[at.RATE_NOISE] ** 2
-    theta += state[at.MISSING] * _MISSING_NOISE**2
+    theta += state[at.MISSING]
     for i in range(3):
         P[i, i] += theta
         P[at.B + i, at.B + i] += dt * params[at.BIAS_DRIFT] ** 2

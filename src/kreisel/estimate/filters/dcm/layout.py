@@ -9,7 +9,9 @@ NORTHED = 15  # 1 once a magnetometer sample (or a given attitude) has set the h
 CALM = 16  # flags that last: REST + DISTURBED as of the latest window, HELD until levelled
 RATE = 17  # 3: latest good gyro sample, which bridges short gaps, rad/s
 GAP = 20  # s, how long the gyro has been missing
-MISSING = 21  # s, the same since the window began
+MISSING = (
+    21  # rad^2, variance of the attitude that missing samples of the gyro have made since the window began
+)
 PUBLISHED_STATE = 22
 
 # ---- State of the default step.

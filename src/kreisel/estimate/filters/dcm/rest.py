@@ -11,6 +11,9 @@ GYRO_NOISE = 5e-4
 # s: rest is believed after this time; the same length of gyro readings makes a bias.
 STRETCH = 0.5
 
+# rad^2: what missing samples may leave open of a window at rest; a few that are lost, and not all of them.
+MISSED = 1e-3
+
 # Standard deviations by which a mean at rest may differ from the known bias; more is a slow rotation.
 _GATE = 4.0
 
@@ -31,7 +34,7 @@ def watch_rest(state: Array, params: Array, P: Array) -> bool:
     memory, sums = state[at.REST_TIME : at.REST_TIME + MEMORY], state[at.LENGTH : at.LENGTH + SUMS]
     bias = load(state, at.GYRO_BIAS)
     scatter = params[at.REST_GYRO], params[at.REST_ACCEL]
-    if state[at.MISSING] > 0.0 or not is_still(sums, bias, P, at.B, scatter):
+    if state[at.MISSING] > MISSED or not is_still(sums, bias, P, at.B, scatter):
         memory[:] = 0.0
         return False
     if completes_stretch(memory, sums):

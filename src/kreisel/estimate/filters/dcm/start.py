@@ -21,6 +21,13 @@ from kreisel.maths.vectors import (
 # rad/s: 5700 deg/s, which no gyro of this kind reads; a number beyond it is a fault.
 _NO_RATE = 100.0
 
+# rad^2/s: what is not known of a rotation that nobody measures.
+UNSEEN = 1.0
+
+# rad/s^2: by how much a rate may change each second while its latest sample stands for it. A single sample that is
+# lost at 100 Hz leaves 0.06 deg, and after some 0.2 s it is as if nothing stood for it.
+_CHANGE = 20.0
+
 # Sine of 0.06 deg: a field that near to the vertical has no direction but that of noise and round-off.
 _STEEP = 1e-3
 
@@ -73,10 +80,18 @@ def is_rate(gyro: Vector) -> bool:
     return abs(gyro[0]) < _NO_RATE and abs(gyro[1]) < _NO_RATE and abs(gyro[2]) < _NO_RATE
 
 
+@inlined
+def _unknown2(gap: float) -> float:
+    """Variance of the attitude after `gap` seconds without a gyro, rad^2, none of it from before."""
+    held = 0.5 * _CHANGE * gap * gap
+    return min(held * held, UNSEEN * gap)
+
+
 @kernel
 def bridge(state: Array, params: Array, dt: float) -> Vector:
     """The rate where a sample is missing: the latest one through a short gap, the bias (no rotation) in a long one."""
     state[at.FLAGS] = float(int(state[at.FLAGS]) | at.HELD)
+    before = state[at.GAP]
     state[at.GAP] += dt
-    state[at.MISSING] += dt
+    state[at.MISSING] += _unknown2(state[at.GAP]) - _unknown2(before)
     return load(state, at.RATE) if state[at.GAP] <= params[at.HOLD] else load(state, at.GYRO_BIAS)

@@ -7,7 +7,7 @@ import math
 
 from kreisel.estimate.answers import Columns, tell
 from kreisel.estimate.filters.dcm import layout as at
-from kreisel.estimate.filters.dcm.start import bridge, is_rate, start
+from kreisel.estimate.filters.dcm.start import UNSEEN, bridge, is_rate, start
 from kreisel.estimate.filters.dcm.window import close_part
 from kreisel.maths.kernels import inlined, kernel
 from kreisel.maths.vectors import (
@@ -60,7 +60,7 @@ def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, 
     else:
         gyro = bridge(state, params, dt)
     if dt > params[at.HOLD]:
-        state[at.MISSING] += dt
+        state[at.MISSING] += UNSEEN * dt
     turn = scaled(dt, gyro)
     rows = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
     scale = load(state, at.SCALE), load(state, at.SCALE + 3), load(state, at.SCALE + 6)

@@ -11,9 +11,6 @@ from kreisel.estimate.filters.mekf import layout as at
 from kreisel.maths.kernels import kernel
 from kreisel.maths.vectors import Array, load
 
-# rad/s/sqrt(Hz): what is known of the rate while the gyro is missing.
-_MISSING_NOISE = 1.0
-
 # m/s: how fast what seems to stay about its place may yet creep on.
 _CREEP = 0.1
 
@@ -105,7 +102,7 @@ def _add_noise(state: Array, params: Array, P: Array) -> None:
     dt = state[at.LENGTH]
     theta = dt * params[at.GYRO_NOISE] ** 2
     theta += state[at.GYRO_SQUARES] * params[at.RATE_NOISE] ** 2
-    theta += state[at.MISSING] * _MISSING_NOISE**2
+    theta += state[at.MISSING]
     travel2 = 0.0
     for i in range(3):
         travel2 += state[at.TRAVEL + i] ** 2 / 3.0

@@ -4,6 +4,7 @@ from kreisel.estimate.filters.dcm.rest import (
     GYRO_NOISE,
     LASTED,
     MEMORY,
+    MISSED,
     STRETCH,
     SUMS,
     WAITING,
@@ -23,7 +24,7 @@ def watch_rest(state: Array, params: Array, P: Array) -> bool:
     memory, sums = state[at.REST_TIME : at.REST_TIME + MEMORY], state[at.LENGTH : at.LENGTH + SUMS]
     bias = load(state, at.GYRO_BIAS)
     scatter = params[at.REST_GYRO], params[at.REST_ACCEL]
-    if state[at.MISSING] > 0.0 or not is_still(sums, bias, P, at.B, scatter):
+    if state[at.MISSING] > MISSED or not is_still(sums, bias, P, at.B, scatter):
         memory[:] = 0.0
         return False
     if completes_stretch(memory, sums):

@@ -4,7 +4,7 @@ Each sample turns R_NS by Exp and adds to the sums of a short window, which corr
 """
 
 from kreisel.estimate.answers import Columns, tell
-from kreisel.estimate.filters.dcm.start import bridge, is_rate, start
+from kreisel.estimate.filters.dcm.start import UNSEEN, bridge, is_rate, start
 from kreisel.estimate.filters.dcm.step import NO_FORCE, corrected, turned
 from kreisel.estimate.filters.mekf import layout as at
 from kreisel.estimate.filters.mekf.window import close_part
@@ -39,12 +39,12 @@ def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, 
     if is_rate(gyro):
         state[at.GAP] = 0.0
         state[at.CLIPPED] = state[at.CLIPPED] + dt if _is_clipped(gyro, latest) else 0.0
-        state[at.MISSING] += dt if state[at.CLIPPED] > _CLIPPED else 0.0
+        state[at.MISSING] += UNSEEN * dt if state[at.CLIPPED] > _CLIPPED else 0.0
         store(state, at.RATE, gyro)
     else:
         gyro = bridge(state, params, dt)
     if dt > params[at.HOLD]:
-        state[at.MISSING] += dt
+        state[at.MISSING] += UNSEEN * dt
     turn = scaled(dt, gyro)
     rows = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)
     scale = load(state, at.SCALE), load(state, at.SCALE + 3), load(state, at.SCALE + 6)
