@@ -1,0 +1,70 @@
+"""Turns blocks of a noun into whole columns on disk, for formats that store one column after the other."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import IO, Any, BinaryIO
+
+import numpy as np
+import numpy.typing as npt
+
+from kreisel.data.tables import CONSTANTS, QUANTITIES
+from kreisel.files.arrays import to_arrays
+from kreisel.files.formats import Noun
+
+_PIECE = 1 << 22  # bytes
+
+
+class Column:
+    """One array (n, ...) whose rows come in order, in a file without a name."""
+
+    def __init__(self, like: npt.NDArray[Any], file: Any) -> None:
+        self.dtype, self._row, self._rows, self._file = like.dtype, like.shape[1:], 0, file
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of all rows so far."""
+        return (self._rows, *self._row)
+
+    def add(self, array: npt.NDArray[Any]) -> None:
+        """Put rows at the end."""
+        self._file.write(np.ascontiguousarray(array, self.dtype).data.cast("B"))
+        self._rows += len(array)
+
+    def pieces(self) -> Iterator[npt.NDArray[Any]]:
+        """All rows, a few at a time."""
+        self._file.seek(0)
+        width = self.dtype.itemsize * int(np.prod(self._row))
+        while data := self._file.read(max(1, _PIECE // width) * width):
+            yield np.frombuffer(data, self.dtype).reshape(-1, *self._row)
+
+
+def temporary_file(out: BinaryIO) -> IO[bytes]:
+    """A file without a name beside the file `out`: the folder for temporary files may be small, or memory."""
+    name = getattr(out, "name", None)
+    return TemporaryFile(dir=Path(name).parent if isinstance(name, str) else None)
+
+
+@contextlib.contextmanager
+def columns_of(blocks: Iterable[Noun], out: BinaryIO) -> Iterator[dict[str, npt.NDArray[Any] | Column]]:
+    """The arrays of the noun that comes in `blocks`: as it is what is one for all rows, the others as columns.
+
+    They take as much disk as the file `out` will, beside it. ValueError where a block has other fields than the first.
+    """
+    found: dict[str, npt.NDArray[Any] | Column] = {}
+    with contextlib.ExitStack() as files:
+        for block in blocks:
+            arrays = to_arrays(block)
+            if found and arrays.keys() != found.keys():
+                odd = ", ".join(sorted(arrays.keys() ^ found.keys()))
+                raise ValueError(f"blocks must have the same fields; {odd} is in some only.")
+            for key, array in arrays.items():
+                if key not in found:
+                    rows = key in QUANTITIES and key not in CONSTANTS
+                    found[key] = Column(array, files.enter_context(temporary_file(out))) if rows else array
+                if isinstance(column := found[key], Column):
+                    column.add(array)
+        yield found
