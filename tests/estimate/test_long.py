@@ -7,11 +7,9 @@ import pytest
 
 import kreisel
 from kreisel.estimate.filters import AttitudeFilter
-from kreisel.estimate.filters.dcm import DcmFilter, PublishedStep
-from kreisel.estimate.filters.mekf import MekfFilter
-from tests.estimate.test_run import recorded
+from kreisel.estimate.filters.dcm import DcmFilter
+from tests.estimate.test_run import FILTERS, recorded
 
-FILTERS = (DcmFilter(), DcmFilter(published=PublishedStep(exact=True)), DcmFilter(mode="6"), MekfFilter())
 FIELDS = ("t", "R_NS", "gyro_bias", "a_N", "sigma", "rest", "disturbed", "held")
 
 
