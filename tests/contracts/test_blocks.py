@@ -1,9 +1,10 @@
-"""What formats promise that can be read or written in blocks: what the whole gives, asked of each that discovery finds."""
+"""What formats promise that read or write in blocks: what the whole gives, asked of each that discovery finds."""
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -40,7 +41,7 @@ def rows_of(data: Noun, rows: slice) -> Noun:
 
 def pieces(data: Noun, rng: np.random.Generator) -> Iterator[Noun]:
     edges = [0, *np.sort(rng.integers(0, len(data) + 1, 5)), len(data)]
-    for first, last in zip(edges[:-1], edges[1:], strict=True):
+    for first, last in pairwise(edges):
         yield rows_of(data, slice(first, last))
 
 

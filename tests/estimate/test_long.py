@@ -1,6 +1,7 @@
 """A recording in blocks: the bits of the whole, whatever the blocks."""
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ FIELDS = ("t", "R_NS", "gyro_bias", "a_N", "sigma", "rest", "disturbed", "held")
 
 def pieces(recording: kreisel.ImuRecording, cuts: Sequence[int]) -> Iterator[kreisel.ImuRecording]:
     edges = [0, *sorted(cuts), len(recording)]
-    for first, last in zip(edges[:-1], edges[1:], strict=True):
+    for first, last in pairwise(edges):
         yield recording.rows(slice(first, last))
 
 
