@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
@@ -47,11 +48,14 @@ def write_blocks(path: PathLike, blocks: Iterable[Noun], format: str | None = No
     """
     module = writer(path, format)
     checked = _checked(path, blocks)
-    if isinstance(module, WritesBlocks):
+    begun = list(islice(checked, 2))
+    if len(begun) == 1:
+        write(path, begun[0], format)
+    elif isinstance(module, WritesBlocks):
         with replacing(path) as out:
-            module.write_blocks(checked, out)
+            module.write_blocks(chain(begun, checked), out)
     else:
-        write(path, joined(list(checked)), format)
+        write(path, joined([*begun, *checked]), format)
 
 
 def joined(blocks: Sequence[Noun]) -> Noun:

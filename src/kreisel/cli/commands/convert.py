@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+from collections.abc import Iterable, Iterator
 
-from kreisel.cli.inputs import add_input_arguments, read_input
+from kreisel.cli.inputs import add_input_arguments, read_content_blocks
 from kreisel.cli.outputs import summary_stream
 from kreisel.data.checks import choice
-from kreisel.data.frames import WORLDS, from_enu_flu
-from kreisel.files.doors import writable_names, write
+from kreisel.data.frames import WORLDS, from_enu_flu, to_enu_flu
+from kreisel.data.trial import Trial
+from kreisel.files.blocks import write_blocks
+from kreisel.files.doors import writable_names
+from kreisel.files.formats import Noun
 
 HELP = "a file in another format, other units or another world"
 
@@ -40,8 +44,29 @@ def configure(parser: ArgumentParser) -> None:
 def run(args: Namespace) -> int:
     """Read, turn, write."""
     choice("--to-frame", args.to_frame, tuple(WORLDS))
-    data = from_enu_flu(read_input(args), args.to_frame)
-    write(args.output, data, args.to)
-    span = data.t[-1] - data.t[0]
-    print(f"{args.output}: {len(data)} rows over {span:.6g} s", file=summary_stream(args.output))
+    found = _Found()
+    write_blocks(args.output, found.of(_turned(args)), args.to)
+    span = found.last - found.first
+    print(f"{args.output}: {found.rows} rows over {span:.6g} s", file=summary_stream(args.output))
     return 0
+
+
+def _turned(args: Namespace) -> Iterator[Noun]:
+    for content in read_content_blocks(args):
+        data = content.recording if isinstance(content, Trial) else content
+        yield from_enu_flu(to_enu_flu(data, args.frame), args.to_frame)
+
+
+class _Found:
+    """What the summary tells, gathered from the blocks on their way."""
+
+    def __init__(self) -> None:
+        self.rows, self.first, self.last = 0, 0.0, 0.0
+
+    def of(self, blocks: Iterable[Noun]) -> Iterator[Noun]:
+        """The same blocks."""
+        for block in blocks:
+            self.first = self.first if self.rows else float(block.t[0])
+            self.rows += len(block)
+            self.last = float(block.t[-1])
+            yield block
