@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Iterator
 from tempfile import TemporaryFile
 from typing import IO
@@ -33,7 +34,9 @@ class RunningMedian:
         self._kept += len(values)
         self._count += len(values)
         if self._kept > KEPT:
-            self._file = self._file or TemporaryFile()  # noqa: SIM115, it goes with the median
+            if self._file is None:
+                self._file = TemporaryFile()  # noqa: SIM115, it goes with the median
+                weakref.finalize(self, self._file.close)
             for piece in self._pieces:
                 self._file.write(piece.tobytes())
             self._pieces, self._kept = [], 0
