@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import chain, islice
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,7 @@ from kreisel.data.checks import read_only
 from kreisel.data.tables import CONSTANTS, arrays_of
 from kreisel.files.doors import PathLike, as_kind, checked_noun, reader, write, writer
 from kreisel.files.formats import Content, Noun, ReadsBlocks, WritesBlocks
+from kreisel.files.spool import Column
 
 
 def read_blocks(
@@ -68,6 +71,24 @@ def joined(blocks: Sequence[Noun]) -> Noun:
         name: read_only(np.concatenate([getattr(block, name) for block in blocks])) for name in names
     }
     return dataclasses.replace(first, **columns)
+
+
+def mapped(blocks: Iterable[Noun]) -> Noun:
+    """What `joined` gives, its columns in files without a name that memory looks into: they need no room in it."""
+    first, files = None, {}
+    with contextlib.ExitStack() as stack:
+        for block in blocks:
+            first = first or block
+            for name, array in arrays_of(block):
+                if name in CONSTANTS:
+                    continue
+                if name not in files:
+                    files[name] = Column(array, stack.enter_context(TemporaryFile()))
+                files[name].add(array)
+        if first is None:
+            raise ValueError("there are no blocks to be joined.")
+        columns: dict[str, Any] = {name: column.mapped() for name, column in files.items()}
+        return dataclasses.replace(first, **columns)
 
 
 def _checked(path: PathLike, blocks: Iterable[Noun]) -> Iterator[Noun]:

@@ -34,6 +34,11 @@ class Column:
         self._file.write(np.ascontiguousarray(array, self.dtype).data.cast("B"))
         self._rows += len(array)
 
+    def mapped(self) -> npt.NDArray[Any]:
+        """All rows, read where they are when they are looked at; the file may be closed."""
+        self._file.flush()
+        return np.memmap(self._file, self.dtype, "r", shape=self.shape)
+
     def pieces(self) -> Iterator[npt.NDArray[Any]]:
         """All rows, a few at a time."""
         self._file.seek(0)

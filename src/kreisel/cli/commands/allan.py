@@ -5,16 +5,21 @@ from __future__ import annotations
 import json
 import math
 from argparse import ArgumentParser, Namespace
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kreisel.cli.inputs import add_input_arguments, check_units, read_input
+from kreisel.cli.inputs import add_input_arguments, check_units_of, read_content_blocks
+from kreisel.cli.memory import is_long
 from kreisel.data.checks import SAME_INSTANT
+from kreisel.data.facts import Units
+from kreisel.data.frames import to_enu_flu
+from kreisel.data.recording import ImuRecording
+from kreisel.data.trial import Trial
 
 if TYPE_CHECKING:
-    from kreisel.data.recording import ImuRecording
     from kreisel.evaluate.allan import AllanFit
 
 HELP = "noise of a sensor at rest: Allan deviation, white noise, bias instability, random walk"
@@ -58,12 +63,11 @@ def configure(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Read, fit, report."""
-    from kreisel.data.recording import ImuRecording
     from kreisel.evaluate.allan import allan
+    from kreisel.files.blocks import joined, mapped
 
-    recording = read_input(args, kind="imu")
+    recording = mapped(_blocks(args)) if is_long(Path(args.input)) else joined(list(_blocks(args)))
     assert isinstance(recording, ImuRecording)  # the kind asked for
-    check_units(recording, args.input, args.trust_units)
     recording = _piece(recording, args.start, args.end)
     fits = [allan(recording, sensor) for sensor in _SENSORS[args.sensor]]
     report = {"schema": SCHEMA, "file": args.input, "sensors": {fit.sensor: _as_json(fit) for fit in fits}}
@@ -73,6 +77,18 @@ def run(args: Namespace) -> int:
     else:
         _print(args.input, fits, files)
     return 0
+
+
+def _blocks(args: Namespace) -> Iterator[ImuRecording]:
+    """What the file holds, in our axes; refused at its end where the units of the whole cannot be."""
+    units = Units()
+    for content in read_content_blocks(args, kind="imu"):
+        recording = content.recording if isinstance(content, Trial) else content
+        block = to_enu_flu(recording, args.frame)
+        assert isinstance(block, ImuRecording)  # the kind asked for
+        units.add(block)
+        yield block
+    check_units_of(units, args.input, args.trust_units)
 
 
 def _piece(recording: ImuRecording, start: float | None, end: float | None) -> ImuRecording:
