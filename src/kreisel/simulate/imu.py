@@ -2,36 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kreisel.data.checks import Array, choice, instance, read_only, whole_number
+from kreisel.data.checks import Array, instance, read_only, whole_number
 from kreisel.data.environment import Environment
 from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
-from kreisel.data.tables import CONSTANTS
 from kreisel.data.temperature import TemperatureHistory
 from kreisel.maths.kinematics import specific_force, specific_force_sigma
-from kreisel.maths.random import seed_from, stream
+from kreisel.maths.random import seed_from
 from kreisel.maths.rotations import log_so3
 from kreisel.maths.turning import State, falls, felt_acceleration, felt_rate, standing_still
-from kreisel.simulate.chain import BLOCK, Sensed, sense
-from kreisel.simulate.clock import Clock, Rows, Sampling, count, spread, steps
-from kreisel.simulate.context import Context
+from kreisel.simulate.clock import Clock
 from kreisel.simulate.effects import Effect
-from kreisel.simulate.effects.white_noise import WhiteNoise
 from kreisel.simulate.recorded import Recorded
+from kreisel.simulate.session import SENSORS, Session, blocks
 
 if TYPE_CHECKING:
     from kreisel.data.noise import NoiseModel
     from kreisel.simulate.datasheet import Triads
-
-SENSORS = ("gyro", "accel", "mag_uT")
 
 # m; there the plumb line leans by 1 deg against that of the origin, 300 times what the centrifugal term varies.
 FARTHEST = 1e5
@@ -154,7 +148,7 @@ class Imu:
         self._check_motion(motion)
         field_N_uT, turn = self.environment.field_N_uT, self.environment.omega_IN_N
         gyro, accel, mag_uT = (np.empty((len(motion), 3)) for _ in SENSORS)
-        for rows in _blocks(len(motion)):
+        for rows in blocks(len(motion)):
             at_sensor = motion.rows(rows).at(self.mount)
             gyro[rows] = felt_rate(at_sensor.omega_NB_B, at_sensor.R_NB, turn)
             a_N = felt_acceleration(at_sensor.a_NB, at_sensor.v_NB, at_sensor.p_NB, turn)
@@ -186,7 +180,7 @@ class Imu:
             return None, None
         gyro_sigma, accel_sigma = np.empty((2, len(motion), 3))
         place = self.mount.p_BS, self.mount.R_BS
-        for rows in _blocks(len(motion)):
+        for rows in blocks(len(motion)):
             body = motion.rows(rows)
             known = body.uncertainty
             assert known is not None  # as that of the whole
@@ -227,101 +221,32 @@ class Imu:
         and effects that do not suit their sensor.
         """
         self._check(motion)
-        seed, run = seed_from(rng), whole_number("run", run)
-        ideal = self.ideal(motion)
-        sensed = {
-            sensor: self._sense(sensor, motion, ideal, seed, run)
-            for sensor in SENSORS
-            if getattr(ideal, sensor) is not None
-        }
-        clock_stream = stream(seed, run, self.mount.name, "clock")
-        lost = self.clock.lost(len(motion), clock_stream)
-        for each in sensed.values():
-            each.reading[lost] = np.nan
-        return Recorded(
-            measured=ImuRecording(
-                t=read_only(self.clock.stamps(motion.t, clock_stream)),
-                **{sensor: read_only(each.reading) for sensor, each in sensed.items()},
-                t0_ns=motion.t0_ns,
-                name=self.mount.name,
-                **self._noises(motion, ideal),
-            ),
-            ideal=ideal,
-            gyro_bias=read_only(sensed["gyro"].bias),
-            accel_bias=read_only(sensed["accel"].bias),
-            disturbance_N_uT=self._disturbance(motion),
-            seed=seed,
-            run=run,
-            replay=partial(self._errors, motion, ideal, seed, run),
-        )
+        return Session(self, seed_from(rng), whole_number("run", run)).record(motion)
 
-    def _disturbance(self, motion: Motion) -> Array | None:
-        if not self.environment.disturbances:
-            return None
-        p_NS = motion.p_NB + motion.R_NB @ self.mount.p_BS
-        return read_only(self.environment.disturbance_N_uT(motion.t, p_NS))
+    def record_long(
+        self, motions: Iterable[Motion], rng: int | np.random.Generator, run: int = 0
+    ) -> Iterator[Recorded]:
+        """What `record` gives for a motion that comes in blocks, block by block, in memory that does not grow.
 
-    def _errors(
-        self, motion: Motion, ideal: ImuRecording, seed: int, run: int, sensor: str
-    ) -> dict[str, Array]:
-        choice("sensor", sensor, [name for name in SENSORS if getattr(ideal, name) is not None])
-        effects, sampling = self._parts(sensor)
-        rows = sampling.rows(motion.t)
-        errors = {effect.name: np.zeros((count(rows), 3)) for effect in effects}
-        self._sense(sensor, motion, ideal, seed, run, errors)
-        return {name: spread(added, rows, len(motion)) for name, added in errors.items()}
-
-    def _sense(
-        self,
-        sensor: str,
-        motion: Motion,
-        ideal: ImuRecording,
-        seed: int,
-        run: int,
-        errors: Mapping[str, Array] | None = None,
-    ) -> Sensed:
-        effects, sampling = self._parts(sensor)
-        rows = sampling.rows(motion.t)
-        collected = sampling.collect(motion.t, getattr(ideal, sensor), rows)
-        stream_of = partial(stream, seed, run, f"{self.mount.name}/{sensor}")
-        sensed = sense(effects, collected, self._contexts(sensor, motion, ideal, rows), stream_of, errors)
-        return Sensed(*(spread(column, rows, len(motion)) for column in sensed))
-
-    def _noises(self, motion: Motion, ideal: ImuRecording) -> dict[str, Array]:
-        """Deviations (3,) of the white noise in one sample at the median step, of the sensors that have some."""
-        noises = {}
-        for name, sensor in zip(CONSTANTS, SENSORS, strict=True):
-            effects, sampling = self._parts(sensor)
-            densities = [effect.density for effect in effects if isinstance(effect, WhiteNoise)]
-            if getattr(ideal, sensor) is not None and np.any(densities):
-                step = np.median(steps(motion.t[sampling.rows(motion.t)]))
-                noises[name] = np.linalg.norm(densities, axis=0) / np.sqrt(step)
-        return noises
-
-    def _parts(self, sensor: str) -> tuple[Sequence[Effect], Sampling]:
-        return {
-            "gyro": (self.gyro_effects, self.clock.gyro),
-            "accel": (self.accel_effects, self.clock.accel),
-            "mag_uT": (self.mag_effects, self.clock.mag),
-        }[sensor]
-
-    def _contexts(self, sensor: str, motion: Motion, ideal: ImuRecording, rows: Rows) -> Iterator[Context]:
-        t = motion.t[rows]
-        dt = steps(t)
-        for block in _blocks(len(t)):
-            picked = block if isinstance(rows, slice) else rows[block]
-            yield Context(
-                sensor=sensor,
-                first=block.start,
-                t=t[block],
-                dt=dt[block],
-                specific_force=ideal.accel[picked],
-                environment=self.environment,
-                mount=self.mount,
-                body=motion,
-                rows=picked,
-                history=self.temperature,
+        motions : pieces of one motion, one after the other, the first with two samples of each sensor; a generator
+            may make them, as in ``(path.sample(t) for t in pieces)``. Each is recorded before the next is asked for.
+        Bits are those of the whole, but for gyro_noise, accel_noise and mag_noise_uT: these are from the median step of
+        the first block. Raises ValueError as `record` does, where blocks do not follow each other, and for a clock with
+        latency or window, which looks back beyond a block.
+        """
+        session, last = Session(self, seed_from(rng), whole_number("run", run)), -np.inf
+        if session.looks_back:
+            raise ValueError(
+                "a clock with latency or window looks back beyond a block. Record in one piece, with record()."
             )
+        for k, motion in enumerate(motions):
+            self._check(motion, fewest=1 if k else 2)
+            if not motion.t[0] > last:
+                raise ValueError(
+                    f"blocks must follow each other in time; one begins at {motion.t[0]:.9g} s, not after {last:.9g} s."
+                )
+            last = float(motion.t[-1])
+            yield session.record(motion)
 
     def _check_motion(self, motion: Motion) -> None:
         instance("motion", motion, Motion, "A trajectory's sample(t) gives one.")
@@ -332,9 +257,9 @@ class Imu:
                 f"with one gravity, and ends after {FARTHEST:.0e} m. Subtract the place from the positions."
             )
 
-    def _check(self, motion: Motion) -> None:
+    def _check(self, motion: Motion, fewest: int = 2) -> None:
         self._check_motion(motion)
-        if len(motion) < 2:
+        if len(motion) < fewest:
             raise ValueError(
                 f"a recording needs two samples or more, for noise depends on the time between them; got {len(motion)}."
             )
@@ -344,10 +269,6 @@ class Imu:
             raise ValueError(
                 f"temperature must cover the motion, from {first:.6g} to {last:.6g} s; it covers {span} s."
             )
-
-
-def _blocks(n: int) -> Iterator[slice]:
-    return (slice(first, min(first + BLOCK, n)) for first in range(0, n, BLOCK))
 
 
 def _effects(field_name: str, given: Any) -> tuple[Effect, ...]:
