@@ -11,10 +11,12 @@ import numpy as np
 import pytest
 
 import kreisel
-from kreisel.cli import inputs, memory
+from kreisel.cli import inputs, long_simulation, memory
+from kreisel.cli.commands import allan
 from kreisel.cli.main import main
 from kreisel.data import median
 from kreisel.files import members, text_blocks
+from kreisel.maths import noise_likelihood
 from tests.estimate.test_run import recorded
 
 SOURCE = Path(__file__).resolve().parents[2] / "src"
@@ -47,6 +49,63 @@ COMMANDS = {
 }
 
 
+def poses(path: Path) -> None:
+    motion = kreisel.figure_eight(period=8.0).sample(np.arange(0.0, 3.0, 0.01))
+    kreisel.write(path, kreisel.Poses(motion.t, motion.p_NB, motion.R_NB, t0_ns=1_700_000_000_123_456_789))
+
+
+SIMULATIONS = {
+    "poses": ("poses.npz", "--imu", "bmi088", "--imu", "plain:0,0,1", "--imu-format", "npz"),
+    "rate": ("poses.npz", "--imu", "bmi088", "--rate", "333", "--to-frame", "ned-frd", "--seed", "5"),
+    "field": ("poses.npz", "--imu", "mpu9250", "--place", "48,11,500", "--date", "2026-05-01", "--turning"),
+    "along": ("poses.npz", "--orientation", "tangent", "--rate", "250"),
+}
+
+
+@pytest.mark.parametrize("simulation", SIMULATIONS)
+def test_simulations_in_blocks_leave_no_trace(
+    simulation: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    poses(tmp_path / "poses.npz")
+    given = [
+        str(tmp_path / part) if part.endswith((".npz", ".csv")) else part for part in SIMULATIONS[simulation]
+    ]
+    made = []
+    for way in ("whole", "blocks"):
+        (tmp_path / way).mkdir()
+        monkeypatch.chdir(tmp_path / way)
+        assert main(["simulate", *given, "-o", ".", "--no-pictures"]) == 0
+        files, told, notes = outputs(tmp_path / way, capsys)
+        made.append((files, told.splitlines()[: -len(files) - 1], notes))
+        in_blocks(monkeypatch)
+        monkeypatch.setattr(long_simulation, "available", lambda: 0.0)
+        monkeypatch.setattr(long_simulation, "ROWS", 64)
+    assert made[0] == made[1]
+
+
+def test_pictures_are_left_out_with_a_note(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    poses(tmp_path / "poses.npz")
+    monkeypatch.setattr(long_simulation, "available", lambda: 0.0)
+    assert main(["simulate", str(tmp_path / "poses.npz"), "-o", str(tmp_path / "out")]) == 0
+    assert "pictures, which need all at once, are left out" in capsys.readouterr().err
+    assert {path.suffix for path in (tmp_path / "out").iterdir()} == {".csv", ".tum", ".npz"}
+    assert main(["simulate", str(tmp_path / "poses.npz"), "-o", str(tmp_path / "out"), "--check"]) == 1
+    assert "--check needs the whole motion in memory" in capsys.readouterr().err
+
+
+def test_a_unit_that_was_mistaken_is_no_reason_to_fill_the_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "poses.npz"
+    motion = kreisel.figure_eight(period=8.0).sample(np.arange(0.0, 3.0, 0.01))
+    kreisel.write(path, kreisel.Poses(motion.t * 1e9, motion.p_NB, motion.R_NB))
+    command = ["simulate", str(path), "-o", str(tmp_path / "out"), "--rate", "400", "--max-gap", "1e9"]
+    assert main(command) == 1
+    assert "GB of disk" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("suffix", ["csv", "npz"])
 @pytest.mark.parametrize("to", ["csv", "npz", "mat"])
 @pytest.mark.parametrize("command", COMMANDS)
@@ -68,6 +127,29 @@ def test_blocks_leave_no_trace(
         assert main([command, *(part.format(imu=source, to=to) for part in COMMANDS[command])]) == 0
         made.append(outputs(tmp_path / way, capsys))
         in_blocks(monkeypatch)
+    assert made[0] == made[1]
+
+
+@pytest.mark.parametrize("suffix", ["csv", "npz"])
+def test_allan_in_blocks_leaves_no_trace(
+    suffix: str,
+    rng: np.random.Generator,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    n, source = 3000, tmp_path / f"rest.{suffix}"
+    gyro, accel = np.cumsum(rng.normal(0.0, 1e-5, (2, n, 3)), axis=1) + rng.normal(0.0, 1e-3, (2, n, 3))
+    kreisel.write(source, kreisel.ImuRecording(np.arange(n) / 100.0, gyro, np.add(accel, [0.0, 0.0, 9.8])))
+    made = []
+    for _ in range(2):
+        assert main(["allan", str(source), "--json"]) == 0
+        assert main(["allan", str(source), "--start", "3", "--end", "20"]) == 0
+        made.append(capsys.readouterr().out)
+        in_blocks(monkeypatch)
+        monkeypatch.setattr(allan, "is_long", lambda path: True)
+        monkeypatch.setattr(noise_likelihood, "_AT_ONCE", 100)
+        noise_likelihood._bins.cache_clear()
     assert made[0] == made[1]
 
 

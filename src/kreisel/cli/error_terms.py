@@ -15,7 +15,13 @@ from kreisel.simulate.recorded import Recorded
 
 
 def write_error_terms(path: Path, recorded: Recorded, world: str) -> None:
-    """Write the ideal readings, the biases and every error term of `recorded` to an NPZ archive, in `world`.
+    """Write the arrays of `error_terms` to an NPZ archive."""
+    with replacing(path) as out:
+        np.savez(out, allow_pickle=False, **error_terms(recorded, world))
+
+
+def error_terms(recorded: Recorded, world: str) -> dict[str, Any]:
+    """The ideal readings, the biases and every error term of `recorded` by name, in `world`.
 
     Its arrays: t; ideal_SENSOR and SENSOR_error_EFFECT (n, 3), where SENSOR is gyro, accel or mag_uT and EFFECT
     the name of an effect; gyro_bias and accel_bias, sums of the errors that are biases; disturbance_N_uT (n, 3),
@@ -35,8 +41,7 @@ def write_error_terms(path: Path, recorded: Recorded, world: str) -> None:
         arrays |= {f"{sensor}_error_{effect}": x for sensor, x in _turned(recorded, terms, world).items()}
     if recorded.disturbance_N_uT is not None:
         arrays["disturbance_N_uT"] = WORLDS[world].nav.to_theirs(recorded.disturbance_N_uT)
-    with replacing(path) as out:
-        np.savez(out, allow_pickle=False, **arrays, seed=np.array(recorded.seed))
+    return arrays | {"seed": np.array(recorded.seed)}
 
 
 def _turned(recorded: Recorded, terms: dict[str, Any], world: str) -> dict[str, Array]:

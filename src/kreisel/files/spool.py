@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import zipfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -11,9 +12,7 @@ from typing import IO, Any, BinaryIO
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.data.tables import CONSTANTS, QUANTITIES
-from kreisel.files.arrays import to_arrays
-from kreisel.files.formats import Noun
+from kreisel.data.tables import CONSTANTS
 
 _PIECE = 1 << 22  # bytes
 
@@ -54,22 +53,39 @@ def temporary_file(out: BinaryIO) -> IO[bytes]:
 
 
 @contextlib.contextmanager
-def columns_of(blocks: Iterable[Noun], out: BinaryIO) -> Iterator[dict[str, npt.NDArray[Any] | Column]]:
-    """The arrays of the noun that comes in `blocks`: as it is what is one for all rows, the others as columns.
+def columns_of(
+    blocks: Iterable[dict[str, npt.NDArray[Any]]], out: BinaryIO
+) -> Iterator[dict[str, npt.NDArray[Any] | Column]]:
+    """The arrays whose rows come in `blocks` as columns; what is one for all rows as the last block has it.
 
     They take as much disk as the file `out` will, beside it. ValueError where a block has other fields than the first.
     """
     found: dict[str, npt.NDArray[Any] | Column] = {}
     with contextlib.ExitStack() as files:
         for block in blocks:
-            arrays = to_arrays(block)
-            if found and arrays.keys() != found.keys():
-                odd = ", ".join(sorted(arrays.keys() ^ found.keys()))
+            if found and block.keys() != found.keys():
+                odd = ", ".join(sorted(block.keys() ^ found.keys()))
                 raise ValueError(f"blocks must have the same fields; {odd} is in some only.")
-            for key, array in arrays.items():
-                if key not in found:
-                    rows = key in QUANTITIES and key not in CONSTANTS
-                    found[key] = Column(array, files.enter_context(temporary_file(out))) if rows else array
+            for key, array in block.items():
+                if array.ndim == 0 or key in CONSTANTS:
+                    found[key] = array
+                elif key not in found:
+                    found[key] = Column(array, files.enter_context(temporary_file(out)))
                 if isinstance(column := found[key], Column):
                     column.add(array)
         yield found
+
+
+def write_archive(blocks: Iterable[dict[str, npt.NDArray[Any]]], out: BinaryIO) -> None:
+    """The bytes that `numpy.savez` makes of all blocks together."""
+    with columns_of(blocks, out) as arrays, zipfile.ZipFile(out, "w") as archive:
+        for name, array in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                if not isinstance(array, Column):
+                    np.lib.format.write_array(member, array, allow_pickle=False)
+                    continue
+                descr = np.lib.format.dtype_to_descr(array.dtype)
+                header = {"descr": descr, "fortran_order": False, "shape": array.shape}
+                np.lib.format.write_array_header_1_0(member, header)
+                for piece in array.pieces():
+                    member.write(piece.data.cast("B"))

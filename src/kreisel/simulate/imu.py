@@ -224,17 +224,23 @@ class Imu:
         return Session(self, seed_from(rng), whole_number("run", run)).record(motion)
 
     def record_long(
-        self, motions: Iterable[Motion], rng: int | np.random.Generator, run: int = 0
+        self,
+        motions: Iterable[Motion],
+        rng: int | np.random.Generator,
+        run: int = 0,
+        *,
+        step: float | None = None,
     ) -> Iterator[Recorded]:
         """What `record` gives for a motion that comes in blocks, block by block, in memory that does not grow.
 
         motions : pieces of one motion, one after the other, the first with two samples of each sensor; a generator
             may make them, as in ``(path.sample(t) for t in pieces)``. Each is recorded before the next is asked for.
-        Bits are those of the whole, but for gyro_noise, accel_noise and mag_noise_uT: these are from the median step of
-        the first block. Raises ValueError as `record` does, where blocks do not follow each other, and for a clock with
-        latency or window, which looks back beyond a block.
+        step : s, the median step of the whole motion, from which gyro_noise, accel_noise and mag_noise_uT follow;
+            that of the first block where it is left out. All else has the bits of the whole.
+        Raises ValueError as `record` does, where blocks do not follow each other, and for a clock with latency or
+        window, which looks back beyond a block.
         """
-        session, last = Session(self, seed_from(rng), whole_number("run", run)), -np.inf
+        session, last = Session(self, seed_from(rng), whole_number("run", run), step), -np.inf
         if session.looks_back:
             raise ValueError(
                 "a clock with latency or window looks back beyond a block. Record in one piece, with record()."

@@ -47,8 +47,8 @@ class _Channel:
 class Session:
     """An IMU that is recording."""
 
-    def __init__(self, imu: Imu, seed: int, run: int) -> None:
-        self._imu, self._seed, self._run = imu, seed, run
+    def __init__(self, imu: Imu, seed: int, run: int, step: float | None = None) -> None:
+        self._imu, self._seed, self._run, self._step = imu, seed, run, step
         self._so_far: SoFar | None = None
         self._noises: dict[str, Array] = {}
         self._channels = {
@@ -163,7 +163,7 @@ class Session:
             channel = self._channels[sensor]
             densities = [effect.density for effect in channel.effects if isinstance(effect, WhiteNoise)]
             if sensor in sensors and np.any(densities):
-                step = np.median(steps(motion.t[channel.sampling.rows(motion.t)]))
+                step = self._step or np.median(steps(motion.t[channel.sampling.rows(motion.t)]))
                 noises[name] = np.linalg.norm(densities, axis=0) / np.sqrt(step)
         return noises
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from kreisel.cli.courses import add_course_arguments, read_course
 from kreisel.cli.inputs import add_input_arguments
+from kreisel.cli.long_simulation import in_blocks, write_long
 from kreisel.cli.outputs import (
     Simulation,
     aligned,
@@ -135,15 +136,22 @@ def run(args: Namespace) -> int:
         rerun=args.rerun,
     )
     check_outputs(args.output, outputs)
-    motion, held = read_course(args)
-    made = Simulation(motion, mounts, *record_all(imus, motion, args.seed))
-    lines = write_outputs(args.output, outputs, made)
+    course = read_course(args)
+    erring = [imu for imu in imus if errs(imu)]
+    if in_blocks(args, course, imus):
+        outputs = [output for output in outputs if not output.name.endswith(".png")]
+        notes = write_long(args, course, imus, erring)
+        lines = [f"{args.output / output.name}  {output.what}" for output in outputs]
+    else:
+        motion = course.motion
+        made = Simulation(motion, mounts, *record_all(imus, motion, args.seed))
+        lines, notes = write_outputs(args.output, outputs, made), motion.notes
     told = ", ".join(dict.fromkeys(sensor or "ideal sensor" for sensor in sensors))
-    told += f", seed {args.seed}" if made.recorded else ""
-    print(f"{args.input}: {held} -> {len(motion)} IMU samples, {told}")
+    told += f", seed {args.seed}" if erring else ""
+    print(f"{args.input}: {course.told} -> {len(course)} IMU samples, {told}")
     if args.place is not None:
         print(f"  {_described(environment)}")
-    print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
+    print("\n".join(f"  {line}" for line in describe_notes(notes)))
     print(f"written in {time.perf_counter() - started:.1f} s:")
     print(aligned(lines))
     if args.check:

@@ -124,7 +124,7 @@ def write(data: Noun, out: BinaryIO) -> None:
 def write_blocks(blocks: Iterable[Noun], out: BinaryIO) -> None:
     """The same of what comes block by block; columns, and then the file, wait on disk until they are whole."""
     h5py = library("h5py", "data", "writing HDF5")
-    with columns_of(blocks, out) as arrays, temporary_file(out) as buffer:
+    with columns_of(map(to_arrays, blocks), out) as arrays, temporary_file(out) as buffer:
         with h5py.File(buffer, "w") as file:
             for name, array in arrays.items():
                 _put(file, name, array)

@@ -20,7 +20,7 @@ from kreisel.data.trajectory import Poses
 from kreisel.files.arrays import from_arrays, to_arrays
 from kreisel.files.formats import Noun, ReadOptions
 from kreisel.files.members import blocks_of
-from kreisel.files.spool import Column, columns_of
+from kreisel.files.spool import write_archive
 
 SUFFIX = ".npz"
 HOLDS = (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
@@ -98,15 +98,4 @@ def write(data: Noun, out: BinaryIO) -> None:
 
 def write_blocks(blocks: Iterable[Noun], out: BinaryIO) -> None:
     """The same of what comes block by block; columns wait on disk until they are whole."""
-    with columns_of(blocks, out) as arrays, zipfile.ZipFile(out, "w") as archive:
-        for name, array in arrays.items():
-            # As numpy.savez does it.
-            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
-                if not isinstance(array, Column):
-                    np.lib.format.write_array(member, array, allow_pickle=False)
-                    continue
-                descr = np.lib.format.dtype_to_descr(array.dtype)
-                header = {"descr": descr, "fortran_order": False, "shape": array.shape}
-                np.lib.format.write_array_header_1_0(member, header)
-                for piece in array.pieces():
-                    member.write(piece.data.cast("B"))
+    write_archive(map(to_arrays, blocks), out)
