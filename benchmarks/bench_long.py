@@ -10,13 +10,14 @@ import argparse
 import resource
 import tempfile
 import time
+from collections import deque
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
 
-from kreisel import AttitudeHistory, DcmFilter, ImuRecording, MekfFilter, read_blocks, run_long, write_blocks
+from kreisel import DcmFilter, ImuRecording, MekfFilter, read_blocks, run_long, write_blocks
 
 BLOCK = 1 << 17
 RATE_HZ = 200.0
@@ -66,10 +67,8 @@ class Clocked:
 def fly(samples: int, name: str) -> None:
     """Estimate what is made on the fly."""
     making, running = Clocked(), Clocked()
-    last: AttitudeHistory | None = None
-    for last in running.of(run_long(FILTERS[name], making.of(recording(samples)))):
-        pass
-    assert last is not None
+    attitudes = running.of(run_long(FILTERS[name], making.of(recording(samples))))
+    (last,) = deque(attitudes, maxlen=1)
     told(samples, {"making samples": making.seconds, "filter": running.seconds - making.seconds})
     print(f"attitude at {last.t[-1]:.3f} s: {np.degrees(last.euler[-1]).round(3).tolist()} deg")
 
@@ -96,8 +95,9 @@ def told(samples: int, parts: dict[str, float]) -> None:
     """Print the shares."""
     whole = sum(parts.values())
     for part, seconds in parts.items():
+        speed = samples / seconds / 1e6
         print(
-            f"{part:15s} {seconds:8.1f} s  {100.0 * seconds / whole:4.0f} %  {samples / seconds / 1e6:6.2f} million samples/s"
+            f"{part:15s} {seconds:8.1f} s  {100.0 * seconds / whole:4.0f} %  {speed:6.2f} million samples/s"
         )
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
     print(f"{'all':15s} {whole:8.1f} s; peak resident memory {peak:.0f} MB")

@@ -6,7 +6,7 @@ import os
 from contextlib import suppress
 from pathlib import Path
 
-# Measured: at its peak `estimate` holds 6 to 9 times the bytes of a csv file or plain archive; one that is compressed
+# Measured: at its peak `estimate` holds 5 to 9 times the bytes of a csv file or plain archive; one that is compressed
 # unfolds by 2 before. What is read in blocks is the same, and not slower by much: rather too soon than too late.
 _TIMES = 16
 
