@@ -142,9 +142,12 @@ DISTURBANCES = st.lists(
     ),
     max_size=3,
 ).map(tuple)
+GRAVITIES = st.floats(0.0, 1e3)
+# 31 to 69 uT: not the Earth's in any other unit.
+FIELDS = st.tuples(*[st.floats(18.0, 40.0)] * 3)
 PLACES = st.builds(
     EnvironmentRecipe,
-    st.none() | NUMBERS,
+    st.none() | GRAVITIES,
     declination_deg=st.none() | NUMBERS,
     latitude_deg=st.floats(-90.0, 90.0),
     longitude_deg=st.floats(-180.0, 360.0),
@@ -164,7 +167,7 @@ SCENARIOS = st.builds(
     st.lists(st.builds(ImuRecipe, NAMES, VECTORS, VECTORS), unique_by=lambda i: i.name, max_size=3).map(
         tuple
     ),
-    st.builds(EnvironmentRecipe, NUMBERS, st.none() | VECTORS, st.none() | NUMBERS) | PLACES,
+    st.builds(EnvironmentRecipe, GRAVITIES, st.none() | FIELDS, st.none() | NUMBERS) | PLACES,
 )
 
 

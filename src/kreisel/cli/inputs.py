@@ -2,42 +2,58 @@
 
 from __future__ import annotations
 
-import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from kreisel.cli.memory import is_long
+from kreisel.cli.notes import note
+from kreisel.cli.values import UsageError, as_typed, number, one_of
 from kreisel.data.checks import choice
 from kreisel.data.facts import Units
 from kreisel.data.frames import WORLDS, to_enu_flu
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trial import Trial
 from kreisel.files.blocks import read_blocks
+from kreisel.files.columns import GROUP_OF, GROUPS, KNOWN, split_unit
 from kreisel.files.doors import KINDS, format_names, read
 from kreisel.files.formats import Content, Noun
+from kreisel.files.units import scale
+
+world = one_of(tuple(WORLDS))
+"""A type for argparse: the name of a world of axes."""
+
+rate = number("hertz", above=0.0)
+"""A type for argparse: a rate, Hz."""
 
 
 def add_input_arguments(parser: ArgumentParser, many: bool = False) -> None:
     """`input` (a list with `many`), --from, --kind, --frame, --column, --input-rate, --times and --topic."""
     if many:
-        parser.add_argument("input", nargs="+", metavar="FILE", help="files to read")
+        parser.add_argument(
+            "input", nargs="+", metavar="FILE", help="files to read, or patterns such as 'rec/**/*.csv'"
+        )
     else:
         parser.add_argument("input", metavar="IN", help="file to read")
     parser.add_argument(
         "--from",
         dest="from_format",
         metavar="FORMAT",
+        type=one_of(format_names),
         help=f"format of the input, where suffix and content do not tell: {', '.join(format_names())}",
     )
     parser.add_argument(
-        "--kind", metavar="KIND", help=f"what to take from a file that has several: {', '.join(KINDS)}"
+        "--kind",
+        metavar="KIND",
+        type=one_of(tuple(KINDS)),
+        help=f"what to take from a file that has several: {', '.join(KINDS)}",
     )
     parser.add_argument(
         "--frame",
         default="enu-flu",
         metavar="WORLD",
+        type=world,
         help=f"world of the input: {', '.join(WORLDS)} (default: enu-flu)",
     )
     parser.add_argument(
@@ -47,7 +63,7 @@ def add_input_arguments(parser: ArgumentParser, many: bool = False) -> None:
         help="a column of a foreign csv, with its unit where the header has none: --column t='Time [ms]', "
         "--column p_x='X [mm]', --column p_y='#3 [mm]' for the third; may be given several times",
     )
-    parser.add_argument("--input-rate", type=float, metavar="HZ", help="rate of an input that holds no time")
+    parser.add_argument("--input-rate", type=rate, metavar="HZ", help="rate of an input that holds no time")
     parser.add_argument("--times", metavar="FILE", help="stamps in s, one a line, for an input without time")
     parser.add_argument(
         "--topic",
@@ -70,7 +86,6 @@ def read_input(args: Namespace, path: str | None = None, kind: str | None = None
 
 def read_content(args: Namespace, path: str | None = None, kind: str | None = None) -> Content:
     """The same in the axes of the file, and a benchmark's trial as a whole."""
-    choice("--frame", args.frame, tuple(WORLDS))
     place, format, options = _asked(args, path, kind)
     return read(place, format, **options)
 
@@ -79,7 +94,6 @@ def read_content_blocks(
     args: Namespace, path: str | None = None, kind: str | None = None
 ) -> Iterator[Content]:
     """The same block by block where the file is larger than memory has room for, else as one block."""
-    choice("--frame", args.frame, tuple(WORLDS))
     place, format, options = _asked(args, path, kind)
     return read_blocks(place, format, **options) if is_long(place) else iter([read(place, format, **options)])
 
@@ -99,26 +113,43 @@ def parse_columns(pairs: Sequence[str] | None) -> dict[str, str] | None:
     """{"t": "Time [ms]"} from ["t=Time [ms]"]; None from nothing."""
     if not pairs:
         return None
-    columns = dict(pair.partition("=")[::2] for pair in pairs)
+    columns = {}
     for pair in pairs:
-        name, _, header = pair.partition("=")
-        if not name.strip() or not header.strip():
-            raise ValueError(f"--column takes NAME=HEADER, such as --column t='Time [ms]'; got {pair!r}.")
-    return {name.strip(): header.strip() for name, header in columns.items()}
+        name, _, header = (part.strip() for part in pair.partition("="))
+        if not name or not header:
+            raise UsageError(f"--column takes NAME=HEADER, such as --column t='Time [ms]'; got {pair!r}.")
+        with as_typed():
+            group = GROUP_OF[choice("NAME of --column", name, KNOWN)]
+        unit = split_unit(header)[1]
+        if unit is not None:
+            check_unit(f"--column {name}", unit, group)
+        columns[name] = header
+    return columns
 
 
-def check_units(recording: ImuRecording, path: str, trusted: bool) -> None:
-    """Refuse impossible units unless they are trusted; doubtful ones are a note on stderr."""
-    check_units_of(Units.of(recording), path, trusted)
+def check_unit(option: str, unit: str, group: str) -> None:
+    """Refuse a unit that is none of the columns of `group`, as `kreisel.files.columns.GROUPS` has it."""
+    try:
+        scale(unit, GROUPS[group][1])
+    except ValueError as error:
+        raise UsageError(f"{option}: {error}") from None
 
 
-def check_units_of(units: Units, path: str, trusted: bool) -> None:
+def check_units(recording: ImuRecording, path: str, trusted: bool, unit: str = "accel_x='ax [g]'") -> None:
+    """Refuse impossible units unless they are trusted; doubtful ones are a note on stderr.
+
+    unit : how the unit of a column is named, for the complaint.
+    """
+    check_units_of(Units.of(recording), path, trusted, unit)
+
+
+def check_units_of(units: Units, path: str, trusted: bool, unit: str = "accel_x='ax [g]'") -> None:
     """The same of what was gathered from blocks."""
     impossible = units.impossible()
     if impossible and not trusted:
         raise ValueError(
-            f"{path}: {' And '.join(impossible)} Name the unit (--column accel_x='ax [g]'), "
+            f"{path}: {' And '.join(impossible)} Name the unit (--column {unit}), "
             "or insist with --trust-units."
         )
     for doubt in units.doubts():
-        sys.stderr.write(f"kreisel: note: {path}: {doubt}\n")
+        note(f"{path}: {doubt}")

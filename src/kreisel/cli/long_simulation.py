@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import shutil
-import sys
 from argparse import Namespace
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 from kreisel.atomic import replacing
 from kreisel.cli.courses import Course
 from kreisel.cli.error_terms import error_terms
 from kreisel.cli.memory import available
+from kreisel.cli.notes import note
 from kreisel.data.frames import from_enu_flu, to_enu_flu
 from kreisel.data.median import RunningMedian
 from kreisel.data.motion import Motion, Note
@@ -28,39 +29,51 @@ from kreisel.simulate.imu import Imu
 _BYTES = 500
 
 
-def in_blocks(args: Namespace, course: Course, imus: Sequence[Imu]) -> bool:
+class Sampled(NamedTuple):
+    """What the summary tells of a motion."""
+
+    samples: int
+    start: float  # s
+    end: float  # s
+    t0_ns: int
+    notes: tuple[Note, ...]
+
+    @classmethod
+    def of(cls, motion: Motion) -> Sampled:
+        """Of one in one piece."""
+        return cls(len(motion), float(motion.t[0]), float(motion.t[-1]), motion.t0_ns, motion.notes)
+
+
+def in_blocks(args: Namespace, course: Course, imus: int) -> bool:
     """Whether a simulation is to go in blocks; ValueError where what was asked for needs all of it at once."""
-    needed = _BYTES * len(course) * (1 + len(imus))
+    needed = _BYTES * len(course) * (1 + imus)
     # Central differences are taken over all samples at once.
     if 2 * needed <= available() or args.method == "gradient":
         return False
-    for option in ("animation", "rerun", "check"):
+    for option in ("animation", "rerun", "check", "increments"):
         if getattr(args, option):
             raise ValueError(
                 f"--{option} needs the whole motion in memory, and {len(course):.3g} samples are too many. "
                 "Leave it out, or take a lower --rate."
             )
-    args.output.mkdir(parents=True, exist_ok=True)
-    free = shutil.disk_usage(args.output).free
+    place = args.output.absolute()
+    free = shutil.disk_usage(next(each for each in (place, *place.parents) if each.is_dir())).free
     if needed > free:
         raise ValueError(
             f"{len(course):.3g} samples take about {needed / 1e9:.3g} GB of disk, and {args.output} has "
             f"{free / 1e9:.3g} GB. Is this the rate that was meant, and the unit of time?"
         )
     if not args.no_pictures:
-        sys.stderr.write(
-            f"kreisel: note: {len(course):.3g} samples go in blocks; pictures, which need all at once, are left out\n"
-        )
+        note(f"{len(course):.3g} samples go in blocks; pictures, which need all at once, are left out")
     return True
 
 
-def write_long(
-    args: Namespace, course: Course, imus: Sequence[Imu], erring: Sequence[Imu]
-) -> tuple[Note, ...]:
-    """Write IMU data, errors and truth into the folder, the truth first: the rest is made from it; its notes."""
+def write_long(args: Namespace, course: Course, imus: Sequence[Imu], erring: Sequence[Imu]) -> Sampled:
+    """Write IMU data, errors and truth into the folder, the truth first: the rest is made from it."""
     folder, world = args.output, args.to_frame
-    truth, notes, steps = folder / "truth.npz", dict[Note, None](), RunningMedian()
-    write_blocks(truth, (from_enu_flu(block, world) for block in _noted(course, notes, steps)))
+    folder.mkdir(parents=True, exist_ok=True)
+    truth, steps, ends = folder / "truth.npz", RunningMedian(), list[Sampled]()
+    write_blocks(truth, (from_enu_flu(block, world) for block in _noted(course, steps, ends)))
     write_blocks(folder / "truth.tum", read_blocks(truth))  # type: ignore[arg-type]
     step = steps.value()
     for imu in imus:
@@ -71,17 +84,20 @@ def write_long(
         with replacing(folder / f"{imu.mount.name}-errors.npz") as out:
             recorded = imu.record_long(_motions(truth, world), args.seed, step=step)
             write_archive((error_terms(block, world) for block in recorded), out)
-    return tuple(notes)
+    first, last = ends
+    return Sampled(len(course), first.start, last.end, last.t0_ns, last.notes)
 
 
-def _noted(course: Course, notes: dict[Note, None], steps: RunningMedian) -> Iterator[Motion]:
-    """The blocks of the course, each with the notes of all so far."""
-    last = None
+def _noted(course: Course, steps: RunningMedian, ends: list[Sampled]) -> Iterator[Motion]:
+    """The blocks of the course, each with the notes of all so far; `ends` takes the first and the last of them."""
+    last, notes = None, dict[Note, None]()
     for block in course.blocks(ROWS):
         notes |= dict.fromkeys(block.notes)
         steps.add(time_steps(block.t, last))
         last = float(block.t[-1])
-        yield replace(block, notes=tuple(notes))
+        noted = replace(block, notes=tuple(notes))
+        ends[:] = [*ends[:1], Sampled.of(noted)] if ends else [Sampled.of(noted)] * 2
+        yield noted
 
 
 def _motions(truth: Path, world: str) -> Iterator[Motion]:

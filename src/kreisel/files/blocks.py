@@ -15,7 +15,7 @@ import numpy as np
 from kreisel.atomic import replacing
 from kreisel.data.checks import read_only
 from kreisel.data.tables import CONSTANTS, arrays_of
-from kreisel.files.doors import PathLike, as_kind, checked_noun, reader, write, writer
+from kreisel.files.doors import PathLike, as_kind, checked_noun, format_to_write, reader, write
 from kreisel.files.formats import Content, Noun, ReadsBlocks, WritesBlocks
 from kreisel.files.spool import Column
 
@@ -49,7 +49,7 @@ def write_blocks(path: PathLike, blocks: Iterable[Noun], format: str | None = No
     Columns of formats that store one after the other wait beside the file until they are whole, and take as much
     disk again. What a format without blocks writes is collected in memory. Raises as `write` does.
     """
-    module = writer(path, format)
+    module = format_to_write(path, format)
     checked = _checked(path, blocks)
     begun = list(islice(checked, 2))
     if len(begun) == 1:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from kreisel.show.attitude import plot_attitude_errors as plot_attitude_errors
     from kreisel.show.attitude import plot_bias as plot_bias
     from kreisel.show.broad import plot_broad as plot_broad
+    from kreisel.show.calibration import plot_calibration as plot_calibration
     from kreisel.show.path import plot_path as plot_path
     from kreisel.show.plots import plot_angular as plot_angular
     from kreisel.show.plots import plot_imu as plot_imu
@@ -31,6 +32,7 @@ _HOMES = {
     "plot_attitude_errors": "kreisel.show.attitude",
     "plot_bias": "kreisel.show.attitude",
     "plot_broad": "kreisel.show.broad",
+    "plot_calibration": "kreisel.show.calibration",
     "plot_imu": "kreisel.show.plots",
     "plot_linear": "kreisel.show.plots",
     "plot_path": "kreisel.show.path",

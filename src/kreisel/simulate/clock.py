@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.data.cards import Shown
 from kreisel.data.checks import Array, read_only, scalar
 from kreisel.maths.random import Stream
 from kreisel.maths.window import mean_over_window
@@ -73,7 +74,7 @@ class Sampling:
 
 
 @dataclass(frozen=True, slots=True)
-class Clock:
+class Clock(Shown):
     """What an IMU's clock makes of time.
 
     offset: s, and rate_offset (5e-5 is 50 ppm, fast): true time t is stamped t + offset + rate_offset (t - t[0]).
@@ -98,6 +99,16 @@ class Clock:
             ("loss", "probability", 0.0, 1.0),
         ):
             object.__setattr__(self, name, scalar(name, getattr(self, name), unit, *bounds))
+
+    def check_contiguous(self) -> None:
+        """Refuse what increments, which span all the time between the stamps, cannot be sampled by."""
+        for sensor in ("gyro", "accel"):
+            if getattr(self, sensor) != Sampling():
+                raise ValueError(
+                    f"increments follow each other without a gap, from stamp to stamp of the motion: rate, latency and "
+                    f"window of clock.{sensor} do not apply. Leave its Sampling out, and sample the motion at the rate "
+                    "at which the unit delivers."
+                )
 
     def stamps(self, t: Array, stream: Stream, so_far: SoFar | None = None) -> Array:
         """Stamps (n,) s, strictly increasing, of samples taken at true times t (n,) s."""
@@ -137,6 +148,13 @@ def steps(t: Array, last: float | None = None) -> Array:
 def count(rows: Rows) -> int:
     """How many samples `rows` picks."""
     return rows.stop - rows.start if isinstance(rows, slice) else len(rows)
+
+
+def part(rows: Rows, block: slice) -> Rows:
+    """Those of `rows` that a block of them, counted from their first, holds."""
+    return (
+        slice(rows.start + block.start, rows.start + block.stop) if isinstance(rows, slice) else rows[block]
+    )
 
 
 def spread(x: Array, rows: Rows, n: int) -> Array:

@@ -2,37 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kreisel.data.checks import Array, instance, read_only, whole_number
+from kreisel.data.cards import Shown
+from kreisel.data.checks import Array, choice, instance, read_only, whole_number
 from kreisel.data.environment import Environment
 from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.data.temperature import TemperatureHistory
 from kreisel.maths.kinematics import specific_force, specific_force_sigma
-from kreisel.maths.random import seed_from
-from kreisel.maths.rotations import log_so3
-from kreisel.maths.turning import State, falls, felt_acceleration, felt_rate, standing_still
+from kreisel.maths.random import seed_from, stream
+from kreisel.maths.turning import felt_acceleration, felt_rate
+from kreisel.simulate.chain import Felt, Sensed, checked_effects, sense
 from kreisel.simulate.clock import Clock
 from kreisel.simulate.effects import Effect
+from kreisel.simulate.increments import added_up, ideal_increments
 from kreisel.simulate.recorded import Recorded
-from kreisel.simulate.session import SENSORS, Session, blocks
+from kreisel.simulate.session import SENSORS, Session, blocks, contexts_of
 
 if TYPE_CHECKING:
     from kreisel.data.noise import NoiseModel
     from kreisel.simulate.datasheet import Triads
+
+# Increments are sums of what these read.
+_SUMS = MappingProxyType({"dtheta": "gyro", "dv": "accel"})
 
 # m; there the plumb line leans by 1 deg against that of the origin, 300 times what the centrifugal term varies.
 FARTHEST = 1e5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Imu:
+class Imu(Shown):
     """An inertial measurement unit at a place on the body.
 
     The effects of a sensor act in the order given, from the outer world to the output: commonly
@@ -56,7 +63,7 @@ class Imu:
                 "temperature", self.temperature, TemperatureHistory, "Write TemperatureHistory(t, degC)."
             )
         for name in ("gyro_effects", "accel_effects", "mag_effects"):
-            object.__setattr__(self, name, _effects(name, getattr(self, name)))
+            object.__setattr__(self, name, checked_effects(name, getattr(self, name)))
         if self.mag_effects and self.environment.field_N_uT is None:
             raise ValueError(
                 "mag_effects need a magnetic field to act on; give environment=Environment(field_N_uT=...)."
@@ -194,23 +201,9 @@ class Imu:
         From attitude, velocity and position at both ends of each interval, not from rates: as exact as these.
         """
         self._check_motion(motion)
-        t, world, at_sensor = motion.t, self.environment, motion.at(self.mount)
-        seen_from_N = State(at_sensor.p_NB, at_sensor.v_NB, at_sensor.R_NB)
-        p, v, R = standing_still(t, seen_from_N, world.omega_IN_N)
-        dv_g, dp_g = falls(t, world.g_N, world.omega_IN_N)
-        v_gain = np.diff(v, axis=0) - dv_g
-        p_gain = np.diff(p, axis=0) - np.diff(t)[:, None] * v[:-1] - dp_g
-        R_back = np.swapaxes(R[:-1], -1, -2)
-        return ImuIncrements(
-            t=motion.t,
-            dtheta=log_so3(R_back @ R[1:]),
-            dv=np.einsum("nij,nj->ni", R_back, v_gain),
-            dp=np.einsum("nij,nj->ni", R_back, p_gain),
-            t0_ns=motion.t0_ns,
-            name=self.mount.name,
-        )
+        return ideal_increments(motion.at(self.mount), self.environment, self.mount.name)
 
-    def record(self, motion: Motion, rng: int | np.random.Generator, run: int = 0) -> Recorded:
+    def record(self, motion: Motion, rng: int | np.random.Generator, run: int = 0) -> Recorded[ImuRecording]:
         """What this IMU reads at the times of `motion`, with its biases and, when asked for, every error it made.
 
         rng: a seed, or a generator from which one is drawn. run: number of the run in an ensemble of one seed.
@@ -254,6 +247,68 @@ class Imu:
             last = float(motion.t[-1])
             yield session.record(motion)
 
+    def record_increments(
+        self, motion: Motion, rng: int | np.random.Generator, run: int = 0
+    ) -> Recorded[ImuIncrements]:
+        """What this IMU delivers where it adds up inside: the increments between the times of `motion`, with errors.
+
+        The mean rate and the mean specific force of every interval go through the same effects as the samples of
+        `record`, with draws addressed alike, and are multiplied by its length again: white noise of density N makes
+        an angle random walk of N sqrt(t), and what is drawn once per run is what `record` draws with that seed.
+        Vibration is averaged over each interval. Range and Quantisation act on the means,
+        IncrementQuantisation on the sums. With an error in them increments have no dp, as nothing measures it.
+        A magnetometer has no increments: what it would read is left out.
+
+        Raises ValueError as `record` does, and for a clock by which a sensor has a rate, a latency or a window.
+        """
+        self._check(motion)
+        self.clock.check_contiguous()
+        seed, run = seed_from(rng), whole_number("run", run)
+        ideal = self.increments(motion)
+        gyro, accel = (self._sense(sensor, motion, ideal, seed, run) for sensor in _SUMS.values())
+        clock_stream = stream(seed, run, self.mount.name, "clock")
+        stamps = self.clock.stamps(motion.t, clock_stream)
+        lost = self.clock.lost(len(ideal), clock_stream)
+        exact = all(effect.idle for effect in (*self.gyro_effects, *self.accel_effects))
+        return Recorded(
+            measured=added_up(ideal, gyro.reading, accel.reading, stamps, lost, exact),
+            ideal=ideal,
+            gyro_bias=read_only(gyro.bias),
+            accel_bias=read_only(accel.bias),
+            seed=seed,
+            run=run,
+            replay=partial(self._errors_of_sums, motion, ideal, seed, run),
+        )
+
+    def _errors_of_sums(
+        self, motion: Motion, ideal: ImuIncrements, seed: int, run: int, sensor: str
+    ) -> dict[str, Array]:
+        effects = self._effects(_SUMS[choice("sensor", sensor, list(_SUMS))])
+        errors = {effect.name: np.zeros((len(ideal), 3)) for effect in effects}
+        self._sense(_SUMS[sensor], motion, ideal, seed, run, errors)
+        dt = np.diff(motion.t)[:, None]
+        return {name: added * dt for name, added in errors.items()}
+
+    def _sense(
+        self,
+        sensor: str,
+        motion: Motion,
+        ideal: ImuIncrements,
+        seed: int,
+        run: int,
+        errors: Mapping[str, Array] | None = None,
+    ) -> Sensed:
+        """Means over the intervals as `sensor` has them."""
+        means, ends = ideal.mean_rates(), slice(1, len(motion))
+        dt = read_only(np.diff(motion.t))
+        felt = Felt(getattr(means, sensor), ends, dt, means.accel, averaged=True)
+        stream_of = partial(stream, seed, run, f"{self.mount.name}/{sensor}")
+        contexts = contexts_of(self, sensor, motion, felt)
+        return sense(self._effects(sensor), felt.reading, contexts, stream_of, errors)
+
+    def _effects(self, sensor: str) -> Sequence[Effect]:
+        return self.gyro_effects if sensor == "gyro" else self.accel_effects
+
     def _check_motion(self, motion: Motion) -> None:
         instance("motion", motion, Motion, "A trajectory's sample(t) gives one.")
         far = float(np.abs(motion.p_NB).max(initial=0.0))
@@ -275,24 +330,3 @@ class Imu:
             raise ValueError(
                 f"temperature must cover the motion, from {first:.6g} to {last:.6g} s; it covers {span} s."
             )
-
-
-def _effects(field_name: str, given: Any) -> tuple[Effect, ...]:
-    """The effects in `given`; TypeError for anything else in it, such as a class that nobody made an effect of."""
-    each = tuple(given) if isinstance(given, Iterable) else (given,)
-    strange = [x for x in each if isinstance(x, type) or not callable(getattr(x, "apply", None))]
-    if strange or not isinstance(given, Iterable):
-        x = strange[0] if strange else given
-        got = f"the class {x.__name__}" if isinstance(x, type) else type(x).__name__
-        raise TypeError(f"{field_name} must be a list of effects, such as [WhiteNoise(1e-4)]; got {got}.")
-    _check_names(field_name, [effect.name for effect in each])
-    return each
-
-
-def _check_names(field_name: str, names: list[str]) -> None:
-    repeated = sorted({name for name in names if names.count(name) > 1})
-    if repeated:
-        raise ValueError(
-            f"{field_name} has two effects called {repeated[0]!r}, which would draw the same numbers; "
-            f'give one another name, as in name="{repeated[0]}_2".'
-        )

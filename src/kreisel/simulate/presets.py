@@ -75,9 +75,12 @@ def load(name: str | Path) -> Preset:
         raise ValueError(f"{path}: {error}") from None
 
 
-def text_of(gyro: NoiseModel, accel: NoiseModel, part: str, source: str) -> str:
+def text_of(
+    gyro: NoiseModel, accel: NoiseModel, part: str, source: str, mag: NoiseModel | None = None
+) -> str:
     """The text of a preset file with the noise of a gyroscope (rad/s) and an accelerometer (m/s^2).
 
+    mag: of a magnetometer (uT), of which presets have white noise alone.
     part: what the sensor is called. source: where the numbers come from, such as the name of a recording.
     """
     import tomli_w
@@ -89,7 +92,12 @@ def text_of(gyro: NoiseModel, accel: NoiseModel, part: str, source: str) -> str:
         "datasheet": source,
         "values": {},
     }
-    for sensor, model, parameters in (("gyro", gyro, _GYRO_NOISE), ("accel", accel, _ACCEL_NOISE)):
+    models = (
+        ("gyro", gyro, _GYRO_NOISE),
+        ("accel", accel, _ACCEL_NOISE),
+        ("mag", mag or NoiseModel(), _MAG_NOISE),
+    )
+    for sensor, model, parameters in models:
         for quantity, name in parameters.items():
             value = getattr(model, quantity) / PARAMETERS[f"{sensor}_{name}"].factor
             if value.any():
@@ -109,6 +117,8 @@ _ACCEL_NOISE = {
     "bias_random_walk": "bias_random_walk_ug_rts",
     "turn_on_bias": "turn_on_bias_mg",
 }
+
+_MAG_NOISE = {"white_noise": "noise_uT_rthz"}
 
 
 def _key(name: str) -> str:

@@ -14,8 +14,8 @@ from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.tables import CONSTANTS
 from kreisel.maths.random import stream
-from kreisel.simulate.chain import BLOCK, Sensed, sense
-from kreisel.simulate.clock import Rows, Sampling, SoFar, count, spread, steps
+from kreisel.simulate.chain import BLOCK, Felt, Sensed, sense
+from kreisel.simulate.clock import Sampling, SoFar, count, part, spread, steps
 from kreisel.simulate.context import Context
 from kreisel.simulate.effects import Effect
 from kreisel.simulate.effects.white_noise import WhiteNoise
@@ -63,7 +63,7 @@ class Session:
         each = [channel.sampling for channel in self._channels.values()]
         return any(sampling.latency or sampling.window for sampling in each)
 
-    def record(self, motion: Motion) -> Recorded:
+    def record(self, motion: Motion) -> Recorded[ImuRecording]:
         """What is read at the times of `motion`, which follows that of the call before."""
         imu, so_far = self._imu, self._so_far
         ideal = imu.ideal(motion)
@@ -129,32 +129,13 @@ class Session:
         """What one sensor reads; its channel moves on to the end of the motion."""
         rows = channel.sampling.rows(motion.t, so_far)
         collected = channel.sampling.collect(motion.t, getattr(ideal, sensor), rows)
+        felt = Felt(collected, rows, steps(motion.t[rows], channel.last), ideal.accel[rows])
         stream_of = partial(stream, self._seed, self._run, f"{self._imu.mount.name}/{sensor}")
-        contexts = self._contexts(sensor, channel, motion, ideal, rows)
+        contexts = contexts_of(self._imu, sensor, motion, felt, channel.count)
         sensed = sense(channel.effects, collected, contexts, stream_of, errors, channel.states)
         channel.count += len(collected)
         channel.last = float(motion.t[rows][-1]) if len(collected) else channel.last
         return Sensed(*(spread(column, rows, len(motion)) for column in sensed))
-
-    def _contexts(
-        self, sensor: str, channel: _Channel, motion: Motion, ideal: ImuRecording, rows: Rows
-    ) -> Iterator[Context]:
-        t = motion.t[rows]
-        dt = steps(t, channel.last)
-        for block in blocks(len(t)):
-            picked = block if isinstance(rows, slice) else rows[block]
-            yield Context(
-                sensor=sensor,
-                first=channel.count + block.start,
-                t=t[block],
-                dt=dt[block],
-                specific_force=ideal.accel[picked],
-                environment=self._imu.environment,
-                mount=self._imu.mount,
-                body=motion,
-                rows=picked,
-                history=self._imu.temperature,
-            )
 
     def _white_noises(self, motion: Motion, sensors: Sequence[str]) -> dict[str, Array]:
         """Deviations (3,) of the white noise in one sample at the median step, of the sensors that have some."""
@@ -166,6 +147,25 @@ class Session:
                 step = self._step or np.median(steps(motion.t[channel.sampling.rows(motion.t)]))
                 noises[name] = np.linalg.norm(densities, axis=0) / np.sqrt(step)
         return noises
+
+
+def contexts_of(imu: Imu, sensor: str, motion: Motion, felt: Felt, count: int = 0) -> Iterator[Context]:
+    """What surrounds the blocks of what one sensor has felt, of which came `count` before."""
+    t = motion.t[felt.rows]
+    for block in blocks(len(t)):
+        yield Context(
+            sensor=sensor,
+            first=count + block.start,
+            t=t[block],
+            dt=felt.dt[block],
+            specific_force=felt.force[block],
+            environment=imu.environment,
+            mount=imu.mount,
+            body=motion,
+            rows=part(felt.rows, block),
+            history=imu.temperature,
+            averaged=felt.averaged,
+        )
 
 
 def blocks(n: int) -> Iterator[slice]:

@@ -209,7 +209,8 @@ def surroundings(recipe: EnvironmentRecipe, where: Place | None = None) -> Envir
     disturbances = tuple(
         _disturbance(each, where.at("disturbance", k)) for k, each in enumerate(recipe.disturbances)
     )
-    return replace(found, g_N=g_N, field_N_uT=field_N_uT, disturbances=disturbances)
+    made = partial(replace, found)
+    return _or_say(where, made, g_N=g_N, field_N_uT=field_N_uT, disturbances=disturbances)
 
 
 def _or_say(where: Place, make: Callable[..., Environment], *given: Any, **named: Any) -> Environment:

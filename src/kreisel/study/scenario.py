@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from kreisel.data.cards import Shown
 from kreisel.data.checks import choice, file_name, finite_number
 from kreisel.data.trajectory import Trajectory
 from kreisel.study.values import Vector, calendar_day, plain, unlike, vector
@@ -96,6 +97,8 @@ class EnvironmentRecipe:
         for name in ("gravity", "declination_deg", "latitude_deg", "longitude_deg", "height_m"):
             if getattr(self, name) is not None:
                 put(self, name, finite_number(name, getattr(self, name)))
+        if self.gravity is not None and self.gravity < 0.0:
+            raise ValueError(f"gravity must be 0 or more, m/s^2: it counts downwards; got {self.gravity:g}.")
         if self.field_N_uT is not None:
             put(self, "field_N_uT", vector("field_N_uT", self.field_N_uT))
         if self.date is not None:
@@ -120,7 +123,7 @@ class EnvironmentRecipe:
 
 
 @dataclass(frozen=True)
-class Scenario:
+class Scenario(Shown):
     """A recipe from which `study.run` makes the same result every time.
 
     Round-trips through TOML, but for a trajectory that is an object rather than a recipe.

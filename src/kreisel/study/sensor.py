@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from kreisel.data.environment import Environment
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.simulate.imu import Imu
-from kreisel.simulate.recorded import Recorded
+from kreisel.simulate.recorded import Delivered, Recorded
 
 
 def sensor_imu(
@@ -62,9 +63,36 @@ def errs(imu: Imu) -> bool:
 
 
 def record_all(
-    imus: Sequence[Imu], motion: Motion, seed: int
-) -> tuple[tuple[ImuRecording, ...], tuple[Recorded, ...]]:
-    """What each IMU read, and of those that err what is known of it; a perfect one in peace needs no draw."""
-    known = {id(imu): imu.record(motion, seed) for imu in imus if errs(imu)}
-    readings = tuple(known[id(imu)].measured if id(imu) in known else imu.ideal(motion) for imu in imus)
-    return readings, tuple(known.values())
+    imus: Sequence[Imu], motion: Motion, seed: int, on_done: Callable[[], object] | None = None
+) -> tuple[tuple[ImuRecording, ...], tuple[Recorded[ImuRecording], ...]]:
+    """What each IMU read, and of those that err what is known of it; a perfect one in peace needs no draw.
+
+    on_done : called after each IMU.
+    """
+    return _read_all(imus, lambda imu: imu.record(motion, seed), lambda imu: imu.ideal(motion), on_done)
+
+
+def add_up_all(
+    imus: Sequence[Imu], motion: Motion, seed: int, on_done: Callable[[], object] | None = None
+) -> tuple[tuple[ImuIncrements, ...], tuple[Recorded[ImuIncrements], ...]]:
+    """The same for units that add up inside."""
+    return _read_all(
+        imus, lambda imu: imu.record_increments(motion, seed), lambda imu: imu.increments(motion), on_done
+    )
+
+
+def _read_all(
+    imus: Sequence[Imu],
+    record: Callable[[Imu], Recorded[Delivered]],
+    ideal: Callable[[Imu], Delivered],
+    on_done: Callable[[], object] | None,
+) -> tuple[tuple[Delivered, ...], tuple[Recorded[Delivered], ...]]:
+    readings: list[Delivered] = []
+    known: list[Recorded[Delivered]] = []
+    for imu in imus:
+        if errs(imu):
+            known.append(record(imu))
+        readings.append(known[-1].measured if errs(imu) else ideal(imu))
+        if on_done is not None:
+            on_done()
+    return tuple(readings), tuple(known)

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from kreisel import discovery
 from kreisel.cli.main import COMMANDS
+from kreisel.cli.main import configure as configured
 
 HELP = "a script that completes commands, options and files at the prompt of bash, zsh or fish"
 
@@ -72,7 +73,7 @@ def run(args: Namespace) -> int:
 
 def _arguments(command: str) -> list[_Argument]:
     parser = ArgumentParser(prog=command)
-    discovery.load(COMMANDS, command).configure(parser)
+    configured(parser, command)
     return [_argument(action) for action in parser._actions]
 
 

@@ -3,24 +3,32 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+from collections import deque
 from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
 
-from kreisel.cli.inputs import add_input_arguments, read_content_blocks
-from kreisel.cli.outputs import summary_stream
-from kreisel.data.checks import choice
+from kreisel.cli.batch import derived, expanded, over_files
+from kreisel.cli.inputs import add_input_arguments, read_content_blocks, world
+from kreisel.cli.outputs import check_format, summary_stream
+from kreisel.cli.reports import add_report_arguments, described_by, print_json, tell_plan
+from kreisel.cli.values import UsageError, one_of
 from kreisel.data.frames import WORLDS, from_enu_flu, to_enu_flu
 from kreisel.data.trial import Trial
 from kreisel.files.blocks import write_blocks
-from kreisel.files.doors import writable_names
+from kreisel.files.doors import suffix, writable_names
 from kreisel.files.formats import Noun
 
 HELP = "a file in another format, other units or another world"
+
+SCHEMA = "kreisel.convert/1"
 
 _EXAMPLES = """\
 examples:
   kreisel convert flight.csv flight.tum
   kreisel convert log.txt imu.csv --frame ned-frd
   kreisel convert flight.bag flight.mcap --topic /imu/data
+  kreisel convert 'rec/**/*.bag' -o out/ --to csv
   kreisel convert mocap.csv poses.csv --column t='Time [ms]' --column p_x='X [mm]' \\
       --column p_y='Y [mm]' --column p_z='Z [mm]'
   kreisel convert 00.txt 00.tum --from kitti --times times.txt
@@ -29,30 +37,77 @@ examples:
 
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
-    add_input_arguments(parser)
-    parser.add_argument("output", metavar="OUT", help="file to write; its suffix tells the format")
-    parser.add_argument("--to", metavar="FORMAT", help=f"format of the output: {', '.join(writable_names())}")
+    add_input_arguments(parser, many=True)
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="OUT",
+        help="file to write, whose suffix tells the format, or for several inputs folder; without -o the last FILE",
+    )
+    parser.add_argument(
+        "--to",
+        metavar="FORMAT",
+        type=one_of(writable_names),
+        help=f"format of the output: {', '.join(writable_names())}",
+    )
     parser.add_argument(
         "--to-frame",
         default="enu-flu",
         metavar="WORLD",
+        type=world,
         help=f"world of the output: {', '.join(WORLDS)} (default: enu-flu)",
     )
+    add_report_arguments(parser, dry_run=True)
     parser.epilog = _EXAMPLES
 
 
 def run(args: Namespace) -> int:
     """Read, turn, write."""
-    choice("--to-frame", args.to_frame, tuple(WORLDS))
-    found = _Found()
-    write_blocks(args.output, found.of(_turned(args)), args.to)
-    span = found.last - found.first
-    print(f"{args.output}: {found.rows} rows over {span:.6g} s", file=summary_stream(args.output))
-    return 0
+    place, places = _places(args)
+
+    def one(path: str) -> dict[str, Any]:
+        found, output = _Found(), places[path]
+        blocks = found.of(_turned(args, path))
+        if args.dry_run:
+            deque(blocks, maxlen=0)
+        else:
+            if output != place:
+                output.parent.mkdir(parents=True, exist_ok=True)
+            write_blocks(output, blocks, args.to)
+        told = {"rows": found.rows, "span_s": found.span}
+        return {"file": path, "output": str(output), "what": found.described, **told}
+
+    batch = over_files(list(places), one, "reading" if args.dry_run else "converting")
+    if args.dry_run:
+        tell_plan(args, {f["file"]: f["what"] for f in batch.done}, [f["output"] for f in batch.done])
+    elif args.json:
+        print_json({"schema": SCHEMA, "files": batch.done, "failed": batch.failed})
+    else:
+        for f in batch.done:
+            print(
+                f"{f['output']}: {f['rows']} rows over {f['span_s']:.6g} s",
+                file=summary_stream(f["output"]),
+            )
+    return batch.code
 
 
-def _turned(args: Namespace) -> Iterator[Noun]:
-    for content in read_content_blocks(args):
+def _places(args: Namespace) -> tuple[Path, dict[str, Path]]:
+    """OUT, and where each input goes; as with cp the last name is OUT where -o names none."""
+    given, output = args.input, args.output
+    if output is None:
+        *given, output = given
+        if not given:
+            raise UsageError(f"convert needs a file to write besides {output}: kreisel convert IN OUT.")
+    paths = expanded(given)
+    outputs = derived(paths, output, suffix(args.to) if args.to else "")
+    if args.to is None and outputs != [Path(output)]:
+        raise UsageError(f"{output} is a folder: name the format of its files, as in --to csv.")
+    check_format(str(outputs[0]), args.to)
+    return Path(output), dict(zip(paths, outputs, strict=True))
+
+
+def _turned(args: Namespace, path: str) -> Iterator[Noun]:
+    for content in read_content_blocks(args, path):
         data = content.recording if isinstance(content, Trial) else content
         yield from_enu_flu(to_enu_flu(data, args.frame), args.to_frame)
 
@@ -61,12 +116,25 @@ class _Found:
     """What the summary tells, gathered from the blocks on their way."""
 
     def __init__(self) -> None:
-        self.rows, self.first, self.last = 0, 0.0, 0.0
+        self.rows, self._stamps, self._noun = 0, 0, ""
+        self._first = self._last = 0.0
 
     def of(self, blocks: Iterable[Noun]) -> Iterator[Noun]:
         """The same blocks."""
         for block in blocks:
-            self.first = self.first if self.rows else float(block.t[0])
+            self._noun = type(block).__name__
+            self._first = self._first if self._stamps else float(block.t[0])
+            self._stamps += len(block.t)
             self.rows += len(block)
-            self.last = float(block.t[-1])
+            self._last = float(block.t[-1])
             yield block
+
+    @property
+    def span(self) -> float:
+        """From the first stamp to the last, s."""
+        return self._last - self._first
+
+    @property
+    def described(self) -> str:
+        """What was read, in a few words."""
+        return described_by(self._noun, self._stamps, self.span)

@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
-import glob
-import json
 from argparse import ArgumentParser, Namespace
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from kreisel.cli.batch import derived, expanded, over_files
 from kreisel.cli.filters import add_filter_arguments, chosen_filter, tuning_help
-from kreisel.cli.inputs import add_input_arguments, check_units_of, read_content, read_content_blocks
-from kreisel.cli.outputs import summary_stream
+from kreisel.cli.inputs import (
+    add_input_arguments,
+    check_units_of,
+    read_content,
+    read_content_blocks,
+    world,
+)
+from kreisel.cli.outputs import check_format, summary_stream
+from kreisel.cli.reports import add_report_arguments, described_by, print_json, tell_plan
+from kreisel.cli.values import UsageError, one_of
 from kreisel.data.attitude import AttitudeHistory
-from kreisel.data.checks import choice
 from kreisel.data.facts import Units
-from kreisel.data.frames import WORLDS, from_enu_flu, to_enu_flu
+from kreisel.data.frames import from_enu_flu, to_enu_flu
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.median import RunningMedian
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trial import Trial
@@ -57,42 +64,65 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument("-o", "--output", metavar="OUT", help="file, or for several inputs folder, to write")
     known = ", ".join(format_names(AttitudeHistory))
     parser.add_argument(
-        "--to", metavar="FORMAT", help=f"{known} (default: by OUT's suffix, or tum in a folder)"
+        "--to",
+        metavar="FORMAT",
+        type=one_of(lambda: format_names(AttitudeHistory)),
+        help=f"{known} (default: by OUT's suffix, or tum in a folder)",
     )
     parser.add_argument(
-        "--to-frame", metavar="WORLD", help="world of the output (default: that of the input)"
+        "--to-frame", metavar="WORLD", type=world, help="world of the output (default: that of the input)"
     )
     parser.add_argument(
         "--picture", metavar="PICTURE", help="draw the attitude: .png, .svg or .pdf; one input"
     )
-    parser.add_argument("--json", action="store_true", help="machine-readable summary, with a schema version")
+    add_report_arguments(parser, dry_run=True)
     parser.epilog = _EXAMPLES
 
 
 def run(args: Namespace) -> int:
-    """Read, check, estimate, write, sum up; the first file that is not sound ends the command."""
+    """Read, check, estimate, write, sum up."""
     if "help" in args.set:
         print(tuning_help(args.filter))
         return 0
-    world = choice("--to-frame", args.to_frame or args.frame, tuple(WORLDS))
-    estimated, paths = _estimator(args), _paths(args.input)
-    outputs = _outputs(args, paths)
-    files = []
-    for path, output in zip(paths, outputs, strict=True):
-        found = _Found()
+    estimated, paths = _estimator(args), expanded(args.input)
+    outputs = dict(zip(paths, _outputs(args, paths), strict=True))
+    if args.dry_run:
+        return _plan(args, outputs)
+
+    def one(path: str) -> dict[str, Any]:
+        found, output = _Found(), outputs[path]
         attitudes = found.of(estimated(_recordings(args, path, found)))
         if args.picture is not None:
             attitudes = iter([_drawn(attitudes, args.picture)])
         if output is not None:
-            write_blocks(output, (from_enu_flu(block, world) for block in attitudes), args.to)
+            if output != Path(args.output):
+                output.parent.mkdir(parents=True, exist_ok=True)
+            to_frame = args.to_frame or args.frame
+            write_blocks(output, (from_enu_flu(block, to_frame) for block in attitudes), args.to)
         else:
             deque(attitudes, maxlen=0)
-        files.append(found.summary(path, output))
+        return found.summary(path, output)
+
+    batch = over_files(paths, one, "smoothing" if args.smooth else "estimating")
     if args.json:
-        print(json.dumps({"schema": SCHEMA, "filter": _described(args), "files": files}, indent=2))
-    else:
-        print("\n".join(_told(args, files)), file=summary_stream(args.output or ""))
-    return 0
+        print_json(
+            {"schema": SCHEMA, "filter": _described(args), "files": batch.done, "failed": batch.failed}
+        )
+    elif batch.done:
+        print("\n".join(_told(args, batch.done)), file=summary_stream(args.output or ""))
+    return batch.code
+
+
+def _plan(args: Namespace, outputs: Mapping[str, Path | None]) -> int:
+    def checked(path: str) -> tuple[str, str]:
+        found = _Found()
+        deque(_recordings(args, path, found), maxlen=0)
+        return path, found.described
+
+    batch = over_files(list(outputs), checked, "reading")
+    writes = [outputs[path] for path, _ in batch.done]
+    tell_plan(args, dict(batch.done), [*filter(None, writes), *([args.picture] if args.picture else [])])
+    return batch.code
 
 
 def _estimator(args: Namespace) -> Callable[[Iterable[ImuRecording]], Iterator[AttitudeHistory]]:
@@ -105,7 +135,7 @@ def _estimator(args: Namespace) -> Callable[[Iterable[ImuRecording]], Iterator[A
 
     filter = chosen_filter(args)
     if args.smooth and not isinstance(filter, SmoothingFilter):
-        raise ValueError(
+        raise UsageError(
             f"--smooth needs a filter that keeps a covariance: --filter mekf; got {args.filter}."
         )
     return partial(map, partial(smooth, filter)) if args.smooth else partial(run_long, filter)
@@ -120,40 +150,14 @@ def _drawn(attitudes: Iterable[AttitudeHistory], picture: str) -> AttitudeHistor
     return attitude
 
 
-def _paths(given: Sequence[str]) -> list[str]:
-    """The files given, patterns replaced by the files they fit."""
-    paths = []
-    for text in given:
-        found = [text] if Path(text).exists() or not glob.has_magic(text) else sorted(glob.glob(text))
-        if not found:
-            raise ValueError(f"no file fits {text!r}.")
-        paths += found
-    return list(dict.fromkeys(paths))
-
-
 def _outputs(args: Namespace, paths: Sequence[str]) -> list[Path | None]:
     """Where the attitude of each input goes: a file, or files named like the inputs in a folder."""
-    if args.to is not None:
-        choice("--to", args.to, format_names(AttitudeHistory))
     if args.picture is not None and len(paths) > 1:
-        raise ValueError(f"--picture is for one input; got {len(paths)}.")
+        raise UsageError(f"--picture is for one input; got {len(paths)}.")
     if args.output is None:
         return [None] * len(paths)
-    place = Path(args.output)
-    if len(paths) == 1 and not place.is_dir() and not args.output.endswith("/"):
-        outputs = [place]
-    else:
-        if place.exists() and not place.is_dir():
-            raise ValueError(f"-o must be a folder for {len(paths)} inputs; {place} is a file.")
-        place.mkdir(parents=True, exist_ok=True)
-        outputs = [place / f"{Path(path).stem}.{args.to or 'tum'}" for path in paths]
-    for path, output in zip(paths, outputs, strict=True):
-        if outputs.count(output) > 1:
-            raise ValueError(
-                f"two inputs would be written to {output}. Estimate them into folders of their own."
-            )
-        if output.exists() and output.samefile(path) and output.is_file():
-            raise ValueError(f"-o {output} is the input itself. Choose another name.")
+    outputs = derived(paths, args.output, f".{args.to or 'tum'}")
+    check_format(str(outputs[0]), args.to)
     return list(outputs)
 
 
@@ -166,8 +170,9 @@ def _recordings(args: Namespace, path: str, found: _Found) -> Iterator[ImuRecord
     for content in [read_content(args, path)] if whole else read_content_blocks(args, path):
         data = content.recording if isinstance(content, Trial) else content
         if not isinstance(data, ImuRecording):
+            cure = " to take their mean rates" if isinstance(data, ImuIncrements) else " if it has both"
             raise ValueError(
-                f"{path} holds {type(data).__name__}, not an IMU recording. Say --kind imu if it has both."
+                f"{path} holds {type(data).__name__}, not an IMU recording. Say --kind imu{cure}."
             )
         if waiting is not None:
             yield waiting
@@ -204,6 +209,11 @@ class _Found:
                 self._flags[name] += int(np.count_nonzero(getattr(block, name)))
             self._bias = None if block.gyro_bias is None else np.degrees(block.gyro_bias[-1]).tolist()
             yield block
+
+    @property
+    def described(self) -> str:
+        """What was read, in a few words."""
+        return described_by(ImuRecording.__name__, self._samples, float(self._last[0] - self._first))
 
     def summary(self, path: str, output: Path | None) -> dict[str, Any]:
         """Everything, for people and programs."""

@@ -21,8 +21,12 @@ from kreisel.cli.outputs import (
     simulation_outputs,
     write_json,
     write_outputs,
+    written,
 )
+from kreisel.cli.progress import Progress
+from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
 from kreisel.cli.surroundings import describe_field, describe_gravity, describe_place
+from kreisel.cli.values import UsageError
 from kreisel.files.doors import write
 
 if TYPE_CHECKING:
@@ -43,11 +47,10 @@ docs/scenarios.md explains every key; examples/scenarios/ has files to begin wit
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument("scenario", metavar="SCENARIO", help="TOML file with the scenario")
-    either = parser.add_mutually_exclusive_group(required=True)
-    either.add_argument(
+    parser.add_argument(
         "-o", "--output", metavar="FOLDER", type=output_folder, help="folder for what is made"
     )
-    either.add_argument("--dry-run", action="store_true", help="check the scenario and write nothing")
+    add_report_arguments(parser, dry_run=True)
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.epilog = _EXAMPLES
 
@@ -58,17 +61,27 @@ def run(args: Namespace) -> int:
     from kreisel.study.scenario import Scenario
 
     started = time.perf_counter()
+    if args.output is None and not args.dry_run:
+        raise UsageError(
+            "run needs a folder for what it makes: -o FOLDER; or --dry-run to look for mistakes."
+        )
     scenario = Scenario.load(args.scenario)
     outputs = _outputs(scenario, pictures=not args.no_pictures)
     check_outputs(args.output or Path(), outputs)
     if args.dry_run:
         t = build(scenario).t
-        print(f"{args.scenario}: sound; {len(t)} samples from {t[0]:.6g} to {t[-1]:.6g} s, nothing written")
-        return 0
+        reads = {args.scenario: f"{len(t)} samples from {t[0]:.6g} to {t[-1]:.6g} s"}
+        return tell_plan(args, reads, written(args.output, outputs))
     from kreisel.study.run import run as run_scenario
 
-    result = run_scenario(scenario)
+    imus, filters = len(scenario.imus), len(scenario.filters)
+    with Progress(imus * (1 + filters), "IMUs and filters") as progress:
+        result = run_scenario(scenario, on_done=progress.advance)
     lines = write_outputs(args.output, outputs, result)
+    if args.json:
+        files = [str(path) for path in written(args.output, outputs)]
+        print_json(result.report() | {"files": files})
+        return 0
     print("\n".join(_described(scenario, result)))
     print("\n".join(f"  {line}" for line in describe_notes(result.motion.notes)))
     print(errors_table(result.estimates))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from argparse import ArgumentParser, Namespace
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kreisel.cli.reports import add_report_arguments, print_json
 from kreisel.cli.tables import plain, print_table
+from kreisel.cli.values import UsageError, number, sensor_name
 from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.noise import ALLAN_FLOOR, NoiseModel
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from kreisel.simulate.presets import Preset
 
 HELP = "sensors to simulate, from their datasheets; one with its numbers and where they are stated"
+
+SCHEMA = "kreisel.sensors/1"
 
 _EXAMPLES = """\
 examples:
@@ -65,18 +68,26 @@ _SI = {
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument(
-        "sensor", nargs="?", metavar="SENSOR", help="a preset, a .toml file, or kalibr's .yaml"
+        "sensor",
+        nargs="?",
+        type=sensor_name,
+        metavar="SENSOR",
+        help="a preset, a .toml file, or kalibr's .yaml",
     )
-    parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
+    add_report_arguments(parser)
     parser.add_argument("--kalibr", metavar="FILE", help="also write the sensor's noise as kalibr's imu.yaml")
     for name, unit in _WALKS.items():
         parser.add_argument(
-            f"--{name}-walk", type=float, metavar="K",
+            f"--{name}-walk", type=number(unit, lowest=0.0), metavar="K",
             help=f"random walk of its bias to write there, {unit}, in place of the sensor's own: few datasheets state "
             "any, and kalibr needs one",
         )  # fmt: skip
     parser.add_argument(
-        "--rate", type=float, default=200.0, metavar="HZ", help="rate to write there (default 200)"
+        "--rate",
+        type=number("hertz", above=0.0),
+        default=200.0,
+        metavar="HZ",
+        help="rate to write there (default 200)",
     )
     parser.epilog = _EXAMPLES
 
@@ -87,7 +98,7 @@ def run(args: Namespace) -> int:
 
     if args.sensor is None:
         if args.kalibr:
-            raise ValueError("--kalibr writes one sensor; name it: kreisel sensors SENSOR --kalibr FILE.")
+            raise UsageError("--kalibr writes one sensor; name it: kreisel sensors SENSOR --kalibr FILE.")
         presets = sorted(map(load, names()), key=lambda preset: GRADES.index(preset.grade))
         _list(presets, args.json)
         return 0
@@ -106,7 +117,7 @@ def run(args: Namespace) -> int:
         write_kalibr(args.kalibr, KalibrImu(gyro, accel, args.rate))
     if args.json:
         told = _preset_json(preset) if preset else {"name": args.sensor, "noise": _noise_json(models)}
-        print(json.dumps({"schema": "kreisel.sensors/1", "sensors": [told]}, indent=2))
+        print_json({"schema": SCHEMA, "sensors": [told]})
     else:
         print("\n".join([*(_stated(preset) if preset else [args.sensor]), *_meaning(models)]))
         if args.kalibr:
@@ -121,7 +132,7 @@ def _walking(model: NoiseModel, walk: float | None) -> NoiseModel:
 def _list(presets: list[Preset], as_json: bool) -> None:
     if as_json:
         told = [_preset_json(preset) for preset in presets]
-        print(json.dumps({"schema": "kreisel.sensors/1", "sensors": told}, indent=2))
+        print_json({"schema": SCHEMA, "sensors": told})
         return
     header = (
         "sensor",

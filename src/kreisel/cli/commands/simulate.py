@@ -6,13 +6,13 @@ import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kreisel.cli.courses import add_course_arguments, read_course
-from kreisel.cli.inputs import add_input_arguments
-from kreisel.cli.long_simulation import in_blocks, write_long
+from kreisel.cli.inputs import add_input_arguments, rate, world
+from kreisel.cli.long_simulation import Sampled, in_blocks, write_long
 from kreisel.cli.outputs import (
     Simulation,
     aligned,
@@ -22,7 +22,10 @@ from kreisel.cli.outputs import (
     output_folder,
     simulation_outputs,
     write_outputs,
+    written,
 )
+from kreisel.cli.progress import Progress
+from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
 from kreisel.cli.surroundings import (
     add_place_arguments,
     describe_declination,
@@ -30,9 +33,11 @@ from kreisel.cli.surroundings import (
     describe_gravity,
     environment_at,
 )
+from kreisel.cli.values import UsageError, as_typed, one_of, sensor_name, whole
 from kreisel.data.checks import choice, file_name
 from kreisel.data.environment import Environment
 from kreisel.data.frames import WORLDS, to_enu_flu
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.files.doors import format_names
@@ -42,11 +47,14 @@ if TYPE_CHECKING:
 
 HELP = "IMU data of a body that moves along the poses, waypoints or segments in a file"
 
+SCHEMA = "kreisel.simulate/1"
+
 _EXAMPLES = """\
 examples:
   kreisel simulate poses.csv -o out/
   kreisel simulate poses.tum -o out/ --rate 400 --imu wrist:0.02,0,0.05
   kreisel simulate poses.csv -o out/ --imu bmi088 --seed 7
+  kreisel simulate poses.csv -o out/ --imu adis16495 --seed 7 --increments
   kreisel simulate poses.csv -o out/ --sensor bmi088 --imu left:0,0.1,0 --imu right:0,-0.1,0
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
   kreisel simulate mocap.csv -o out/ --noise 0.1mm,0.01deg --max-gap 0.5
@@ -75,89 +83,163 @@ def configure(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--sensor",
+        type=sensor_name,
         help="sensor of all IMUs that name none: a preset (see kreisel sensors), a preset file .toml, kalibr's .yaml "
         "or what kreisel calibrate wrote (default: perfect sensors)",
     )
     parser.add_argument(
-        "--seed", type=int, default=0, help="whole number from which noise is drawn (default 0)"
+        "--seed", type=whole(), default=0, help="whole number from which noise is drawn (default 0)"
     )
     add_place_arguments(parser)
-    parser.add_argument("--rate", type=float, metavar="HZ", help="IMU rate (default: the times of the poses)")
+    parser.add_argument("--rate", type=rate, metavar="HZ", help="IMU rate (default: the times of the poses)")
     parser.add_argument(
-        "--method", help="of poses: auto (default), spline, smooth or gradient (MATLAB's scheme)"
+        "--method",
+        type=one_of(("auto", "spline", "smooth", "gradient")),
+        help="of poses: auto (default), spline, smooth or gradient (MATLAB's scheme)",
     )
     parser.add_argument(
         "--orientation",
         help="tangent or transport, in place of the file's attitude; of waypoints and profiles tangent or level",
     )
     add_course_arguments(parser)
-    parser.add_argument("--to-frame", default="enu-flu", help=f"world of the output: {', '.join(WORLDS)}")
+    _add_output_arguments(parser)
+    parser.epilog = _EXAMPLES
+
+
+def _add_output_arguments(parser: ArgumentParser) -> None:
+    parser.add_argument(
+        "--increments",
+        action="store_true",
+        help="what navigation-grade units deliver: turn, velocity and, without errors, position of every interval "
+        "between the samples, in place of rates",
+    )
+    parser.add_argument(
+        "--to-frame", default="enu-flu", type=world, help=f"world of the output: {', '.join(WORLDS)}"
+    )
     parser.add_argument(
         "--imu-format",
         default="csv",
         metavar="FORMAT",
-        help=f"{', '.join(format_names(ImuRecording))} (default: csv)",
+        type=one_of(lambda: format_names(ImuRecording)),
+        help=f"{', '.join(format_names(ImuRecording))} (default: csv); "
+        f"with --increments {', '.join(format_names(ImuIncrements))}",
     )
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.add_argument("--animation", action="store_true", help="also write motion.gif")
     parser.add_argument("--rerun", action="store_true", help="also write motion.rrd for the Rerun viewer")
+    add_report_arguments(parser, dry_run=True)
     parser.add_argument(
         "--check",
         action="store_true",
         help="integrate the ideal IMU data, and those of a sensor with errors, back from the first pose and print how "
         "far each ends up from the truth",
     )
-    parser.epilog = _EXAMPLES
 
 
 def run(args: Namespace) -> int:
     """Read, differentiate, mount, write."""
-    from kreisel.study.sensor import errs, record_all, sensor_imu
+    from kreisel.study.sensor import errs, sensor_imu
 
     started = time.perf_counter()
-    choice("--to-frame", args.to_frame, tuple(WORLDS))
-    choice("--frame", args.frame, tuple(WORLDS))
-    choice("--imu-format", args.imu_format, format_names(ImuRecording))
-    if args.seed < 0:
-        raise ValueError(f"--seed must be a whole number, 0 or more; got {args.seed}.")
-    given = [parse_imu(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
+    _check_increments(args)
+    with as_typed():
+        given = [parse_imu(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
     mounts = [to_enu_flu(mount, args.frame) for mount, _ in given]
-    sensors = [sensor or args.sensor for _, sensor in given]
+    sensors = [named or args.sensor for _, named in given]
     environment = environment_at(args)
-    imus = [sensor_imu(sensor, mount, environment) for mount, sensor in zip(mounts, sensors, strict=True)]
-    outputs = simulation_outputs(
-        [mount.name for mount in mounts],
-        erring=[imu.mount.name for imu in imus if errs(imu)],
-        magnetometer=environment.field_N_uT is not None,
-        world=args.to_frame,
-        imu_format=args.imu_format,
-        pictures=not args.no_pictures,
-        animation=args.animation,
-        rerun=args.rerun,
-    )
-    check_outputs(args.output, outputs)
-    course = read_course(args)
-    erring = [imu for imu in imus if errs(imu)]
-    if in_blocks(args, course, imus):
+    imus = [sensor_imu(named, mount, environment) for mount, named in zip(mounts, sensors, strict=True)]
+    with as_typed():
+        outputs = simulation_outputs(
+            [mount.name for mount in mounts],
+            erring=[imu.mount.name for imu in imus if errs(imu)],
+            magnetometer=environment.field_N_uT is not None,
+            increments=args.increments,
+            world=args.to_frame,
+            imu_format=args.imu_format,
+            pictures=not args.no_pictures,
+            animation=args.animation,
+            rerun=args.rerun,
+        )
+        check_outputs(args.output, outputs)
+    with Progress(None, "differentiating"):
+        course = read_course(args)
+        goes_in_blocks = in_blocks(args, course, len(imus))
+        motion = None if goes_in_blocks else course.motion
+    if goes_in_blocks:
         outputs = [output for output in outputs if not output.name.endswith(".png")]
-        notes = write_long(args, course, imus, erring)
+    if args.dry_run:
+        reads = {args.input: f"{course.told} -> {len(course)} IMU samples"}
+        return tell_plan(args, reads, written(args.output, outputs))
+    made = None if motion is None else _made(args, imus, motion)
+    if made is None:
+        sampled = write_long(args, course, imus, [imu for imu in imus if errs(imu)])
         lines = [f"{args.output / output.name}  {output.what}" for output in outputs]
     else:
-        motion = course.motion
-        made = Simulation(motion, mounts, *record_all(imus, motion, args.seed))
-        lines, notes = write_outputs(args.output, outputs, made), motion.notes
-    told = ", ".join(dict.fromkeys(sensor or "ideal sensor" for sensor in sensors))
-    told += f", seed {args.seed}" if erring else ""
-    print(f"{args.input}: {course.told} -> {len(course)} IMU samples, {told}")
+        sampled = Sampled.of(made.motion)
+        lines = write_outputs(args.output, outputs, made)
+    if args.json:
+        print_json(_report(args, sampled, mounts, sensors, written(args.output, outputs)))
+        return 0
+    told = ", ".join(dict.fromkeys(named or "ideal sensor" for named in sensors))
+    told += f", seed {args.seed}" if any(map(errs, imus)) else ""
+    what = f"{sampled.samples - 1} IMU increments" if args.increments else f"{sampled.samples} IMU samples"
+    print(f"{args.input}: {course.told} -> {what}, {told}")
     if args.place is not None:
         print(f"  {_described(environment)}")
-    print("\n".join(f"  {line}" for line in describe_notes(notes)))
+    print("\n".join(f"  {line}" for line in describe_notes(sampled.notes)))
     print(f"written in {time.perf_counter() - started:.1f} s:")
     print(aligned(lines))
-    if args.check:
+    if args.check and made is not None:
         print("integrated back from the first pose, the largest errors are:")
-        print(aligned(_round_trips(imus, motion, made)))
+        print(aligned(_round_trips(imus, made.motion, made)))
     return 0
+
+
+def _made(args: Namespace, imus: Sequence[Imu], motion: Motion) -> Simulation:
+    """What every IMU reads, or adds up."""
+    from kreisel.study.sensor import add_up_all, record_all
+
+    read = add_up_all if args.increments else record_all
+    with Progress(len(imus), "IMUs") as progress:
+        made = read(imus, motion, args.seed, progress.advance)
+    return Simulation(motion, [imu.mount for imu in imus], *made)
+
+
+def _report(
+    args: Namespace,
+    sampled: Sampled,
+    mounts: Sequence[Mount],
+    sensors: Sequence[str | None],
+    files: Sequence[Path],
+) -> dict[str, Any]:
+    """What was made, in SI units and the axes of ENU/FLU."""
+    return {
+        "schema": SCHEMA,
+        "file": args.input,
+        "samples": sampled.samples,
+        "start_s": sampled.start,
+        "end_s": sampled.end,
+        "t0_ns": sampled.t0_ns,
+        "seed": args.seed,
+        "imus": [
+            {"name": mount.name, "sensor": sensor, "p_BS_m": mount.p_BS.tolist(), "R_BS": mount.R_BS.tolist()}
+            for mount, sensor in zip(mounts, sensors, strict=True)
+        ],
+        "notes": [note.text for note in sampled.notes],
+        "files": [str(path) for path in files],
+    }
+
+
+def _check_increments(args: Namespace) -> None:
+    """Refuse what units that add up cannot have."""
+    if not args.increments:
+        return
+    if args.date is not None:
+        raise UsageError(
+            "--date gives the IMUs magnetometers, which have no increments. Leave one of them out."
+        )
+    with as_typed():
+        choice("--imu-format", args.imu_format, format_names(ImuIncrements))
 
 
 def _round_trips(imus: Sequence[Imu], motion: Motion, made: Simulation) -> list[str]:
@@ -165,7 +247,8 @@ def _round_trips(imus: Sequence[Imu], motion: Motion, made: Simulation) -> list[
 
     lines: list[str] = []
     for imu, measured in zip(imus, made.recordings, strict=True):
-        lines += describe_round_trip(imu, motion, measured if errs(imu) else None)
+        shown = errs(imu) or isinstance(measured, ImuIncrements)
+        lines += describe_round_trip(imu, motion, measured if shown else None)
     return lines
 
 
@@ -182,10 +265,10 @@ def parse_imu(text: str, number: int = 0) -> tuple[Mount, str | None]:
     An IMU with a sensor and no name is called as the sensor is.
     """
     if "@" in text:
-        sensor, place = text.split("@", 1)
-        return parse_mount(place, number, Path(sensor).stem), sensor
+        named, place = text.split("@", 1)
+        return parse_mount(place, number, Path(named).stem), sensor_name(named)
     if text and "," not in text and ":" not in text:
-        return Mount(name=file_name("the NAME of --imu", Path(text).stem)), text
+        return Mount(name=file_name("the NAME of --imu", Path(text).stem)), sensor_name(text)
     return parse_mount(text, number), None
 
 

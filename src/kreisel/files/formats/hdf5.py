@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel.data.attitude import AttitudeHistory, Reference
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.tables import QUANTITIES
@@ -27,7 +28,7 @@ from kreisel.files.members import Member, blocks_of
 from kreisel.files.spool import Column, columns_of, temporary_file
 
 SUFFIX = ".h5"
-HOLDS = (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
+HOLDS = (Poses, Motion, ImuRecording, ImuIncrements, AttitudeHistory, Reference)
 OPTIONS = frozenset({"rate_hz"})
 KEEPS = "every bit of every field"
 

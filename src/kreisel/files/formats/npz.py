@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from kreisel.data.archive import BROKEN, NOT_WHOLE, arrays_in
 from kreisel.data.attitude import AttitudeHistory, Reference
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
@@ -23,7 +24,7 @@ from kreisel.files.members import blocks_of
 from kreisel.files.spool import write_archive
 
 SUFFIX = ".npz"
-HOLDS = (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
+HOLDS = (Poses, Motion, ImuRecording, ImuIncrements, AttitudeHistory, Reference)
 OPTIONS = frozenset({"rate_hz"})
 _NPY = b"\x93NUMPY"
 KEEPS = "every bit of every field"

@@ -9,7 +9,7 @@ import numpy as np
 
 from kreisel.data.checks import Array, finite, shaped
 from kreisel.maths.random import Stream
-from kreisel.maths.waves import add_waves
+from kreisel.maths.waves import add_mean_waves, add_waves
 from kreisel.simulate.context import Context
 
 
@@ -50,7 +50,10 @@ class VibrationLines:
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3) with vibration added."""
         cosines, sines = state.reshape(2, -1, 3)
-        return add_waves(block, context.t, self.frequency, cosines, sines)
+        waves = (self.frequency, cosines, sines)
+        if context.averaged:
+            return add_mean_waves(block, context.t, context.dt, *waves)
+        return add_waves(block, context.t, *waves)
 
 
 def example() -> VibrationLines:
