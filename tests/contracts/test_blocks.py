@@ -15,7 +15,7 @@ from kreisel.data.tables import CONSTANTS, arrays_of
 from kreisel.files import blocks as doors
 from kreisel.files import members, text_blocks
 from kreisel.files.doors import format_named, format_names, suffix
-from kreisel.files.formats import Noun, ReadsBlocks, WritesBlocks
+from kreisel.files.formats import Noun, ReadsBlocks, WritesBlocks, parquet
 from tests.contracts.test_formats import EPOCH_NS, MAKERS, NEEDS
 
 READ = [name for name in format_names() if isinstance(format_named(name), ReadsBlocks)]
@@ -37,6 +37,7 @@ def _small(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> N
         pytest.importorskip(NEEDS[name][0], reason=f"pip install kreisel[{NEEDS[name][1]}]")
     monkeypatch.setattr(text_blocks, "PIECE", 700)
     monkeypatch.setattr(members, "ROWS", 7)
+    monkeypatch.setattr(parquet, "ROWS", 7)
 
 
 def rows_of(data: Noun, rows: slice) -> Noun:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -40,14 +40,22 @@ def blocks_of(path: Path, members: Mapping[str, Member], options: ReadOptions) -
     columns = _columns(members)
     count = members[columns[0]].shape[0] if columns else 1
     constants = {name: member[()] for name, member in members.items() if name not in columns}
-    before = np.empty(0)
-    for first in range(0, count, ROWS):
-        box = constants | {name: members[name][first : first + ROWS] for name in columns}
+    boxes = (
+        constants | {name: members[name][first : first + ROWS] for name in columns}
+        for first in range(0, count, ROWS)
+    )
+    return following(path, boxes, options)
+
+
+def following(path: Path, boxes: Iterable[dict[str, Any]], options: ReadOptions) -> Iterator[Noun]:
+    """What `from_arrays` makes of each box; ValueError where one does not follow the one before in time."""
+    before, first = np.empty(0), 0
+    for box in boxes:
         with _counted_from(first):
             block = from_arrays(path, box, options)
         with _counted_from(first - 1):
             increasing(f"{path}: t", np.append(before, block.t[0]))
-        before = block.t[-1:]
+        before, first = block.t[-1:], first + len(block)
         yield block
 
 
