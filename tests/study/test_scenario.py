@@ -20,6 +20,7 @@ from kreisel.simulate.trajectories.functions import FunctionTrajectory
 from kreisel.study.building import build, surroundings
 from kreisel.study.scenario import (
     DisturbanceRecipe,
+    EffectRecipe,
     EnvironmentRecipe,
     FilterRecipe,
     ImuRecipe,
@@ -156,6 +157,30 @@ PLACES = st.builds(
     turning=st.booleans(),
     disturbances=DISTURBANCES,
 )
+# What suits any run: no latency, no jitter, temperatures that always were.
+IMUS = st.builds(
+    ImuRecipe,
+    NAMES,
+    VECTORS,
+    VECTORS,
+    datasheet=st.dictionaries(
+        st.sampled_from(["gyro_fixed_bias_dps", "accel_fixed_temperature_bias_mg_per_K"]), NUMBERS | VECTORS
+    ),
+    clock=st.fixed_dictionaries(
+        {}, optional={"offset": NUMBERS, "loss": st.floats(0.0, 1.0), "mag": st.just({"rate": 20.0})}
+    ),
+    temperature=st.none() | st.floats(-273.0, 2000.0) | st.just(((-1e7, 20.0), (1e7, 30.0))),
+    effects=st.lists(
+        st.builds(
+            EffectRecipe,
+            st.sampled_from(["gyro", "accel"]),
+            st.just("scale_factor"),
+            st.fixed_dictionaries({"sigma": st.floats(0.0, 1.0)}),
+        ),
+        max_size=2,
+        unique_by=lambda e: e.sensor,
+    ).map(tuple),
+)
 SCENARIOS = st.builds(
     Scenario,
     TRAJECTORIES,
@@ -164,9 +189,7 @@ SCENARIOS = st.builds(
     st.none() | NUMBERS,
     st.text(max_size=10),
     st.integers(0, 2**70),
-    st.lists(st.builds(ImuRecipe, NAMES, VECTORS, VECTORS), unique_by=lambda i: i.name, max_size=3).map(
-        tuple
-    ),
+    st.lists(IMUS, unique_by=lambda i: i.name, max_size=3).map(tuple),
     st.builds(EnvironmentRecipe, GRAVITIES, st.none() | FIELDS, st.none() | NUMBERS) | PLACES,
 )
 

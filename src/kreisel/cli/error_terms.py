@@ -29,7 +29,8 @@ def error_terms(recorded: Recorded, world: str) -> dict[str, Any]:
 
     Its arrays: t; ideal_SENSOR and SENSOR_error_EFFECT (n, 3), where SENSOR is gyro, accel or mag_uT, of increments
     dtheta or dv, and EFFECT the name of an effect; gyro_bias and accel_bias, sums of the errors that are biases, as
-    rates; disturbance_N_uT (n, 3), what the world added to the magnetic field, in N, where it did; seed.
+    rates; disturbance_N_uT (n, 3), what the world added to the magnetic field, in N, where it did;
+    temperature_degC (n,), where it was told; seed.
     """
     arrays: dict[str, Any] = {"t": recorded.ideal.t}
     sensors = [s for s in _SENSORS if getattr(recorded.ideal, s, None) is not None]
@@ -45,6 +46,8 @@ def error_terms(recorded: Recorded, world: str) -> dict[str, Any]:
         }
     if recorded.disturbance_N_uT is not None:
         arrays["disturbance_N_uT"] = WORLDS[world].nav.to_theirs(recorded.disturbance_N_uT)
+    if recorded.temperature_degC is not None:
+        arrays["temperature_degC"] = recorded.temperature_degC
     return arrays | {"seed": np.array(recorded.seed)}
 
 

@@ -44,11 +44,12 @@ class Sampled(NamedTuple):
         return cls(len(motion), float(motion.t[0]), float(motion.t[-1]), motion.t0_ns, motion.notes)
 
 
-def in_blocks(args: Namespace, course: Course, imus: int) -> bool:
+def in_blocks(args: Namespace, course: Course, imus: Sequence[Imu]) -> bool:
     """Whether a simulation is to go in blocks; ValueError where what was asked for needs all of it at once."""
-    needed = _BYTES * len(course) * (1 + imus)
-    # Central differences are taken over all samples at once.
-    if 2 * needed <= available() or args.method == "gradient":
+    needed = _BYTES * len(course) * (1 + len(imus))
+    # Central differences, and samples that come late or are collected, are made of others of any block.
+    whole = args.method == "gradient" or any(imu.clock.looks_back for imu in imus)
+    if whole or 2 * needed <= available():
         return False
     for option in ("animation", "rerun", "check", "increments"):
         if getattr(args, option):

@@ -143,6 +143,13 @@ def write_json(report: Any, path: Path) -> None:
         out.write((json.dumps(report, indent=2, allow_nan=False) + "\n").encode())
 
 
+def check_imu_names(imus: Sequence[str]) -> None:
+    """ValueError for a name that an IMU cannot have, because another file is called so."""
+    taken = next((name for name in imus if name.casefold() in _TAKEN), None)
+    if taken is not None:
+        raise ValueError(f"an IMU cannot be called {taken!r}: files of that name are written too.")
+
+
 def simulation_outputs(
     imus: Sequence[str],
     *,
@@ -158,10 +165,6 @@ def simulation_outputs(
     """IMU data, truth and pictures of a simulation whose IMUs have these names; `erring` are those with errors."""
     from kreisel.cli.error_terms import write_error_terms
     from kreisel.data.frames import from_enu_flu
-
-    taken = next((name for name in imus if name.casefold() in _TAKEN), None)
-    if taken is not None:
-        raise ValueError(f"an IMU cannot be called {taken!r}: files of that name are written too.")
 
     def recording(k: int) -> Callable[[Simulated, Path], None]:
         return lambda made, path: write(path, from_enu_flu(made.recordings[k], world), format=imu_format)
@@ -274,19 +277,20 @@ def describe_round_trip(
     their position, integrated from velocity, shows whether the path and its derivative are one. `measured`, what the
     sensor read with its errors, or perfect increments with dp, shows how far it drifts without a filter.
     """
-    from kreisel.study.round_trip import round_trip
+    from kreisel.study.round_trip import complete, round_trip
 
     truth, lines = motion.at(imu.mount), []
     increments = replace(imu.increments(motion), dp=None)
-    readings: dict[str, ImuRecording | ImuIncrements] = {
-        "ideal rates": imu.ideal(motion),
-        "ideal increments": increments,
+    readings: dict[str, tuple[ImuRecording | ImuIncrements, Motion]] = {
+        "ideal rates": (imu.ideal(motion), truth),
+        "ideal increments": (increments, truth),
     }
     if measured is not None:
         exact = isinstance(measured, ImuIncrements) and measured.dp is not None
-        readings["increments as written" if exact else "with its errors"] = measured
-    for kind, recording in readings.items():
-        errors = round_trip(recording, truth, imu.environment)
+        whole = (measured, truth) if isinstance(measured, ImuIncrements) else complete(measured, truth)
+        readings["increments as written" if exact else "with its errors"] = whole
+    for kind, (recording, true) in readings.items():
+        errors = round_trip(recording, true, imu.environment)
         p, v, turn = two_digits([float(x.max()) for x in (errors.position, errors.velocity, errors.attitude)])
         lines.append(f"{imu.mount.name} {kind}  {p} m, {v} m/s, {turn} deg")
     return lines

@@ -59,12 +59,16 @@ UNITS: dict[str, dict[str, Scale]] = {
         "gauss": Scale(1e2),
         "mgauss": Scale(1, 10),
     },
+    "temperature": {"degC": Scale()},
     "number": {"": Scale(), "1": Scale()},
 }
 """Units of each kind of quantity; ours comes first."""
 
 _OTHER_SPELLINGS = {
     "dps": "deg/s",
+    "C": "degC",
+    "degc": "degC",
+    "celsius": "degC",
     "mdps": "mdeg/s",
     "microtesla": "uT",
     "arcs": "arcsec",

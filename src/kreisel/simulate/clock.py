@@ -59,10 +59,10 @@ class Sampling:
         before = -1.0 if last is None else np.floor((last - begin) * self.rate + 1e-6)
         return np.flatnonzero(np.diff(period, prepend=before) > 0.0)
 
-    def collect(self, t: Array, x: Array, rows: Rows) -> Array:
-        """Readings (m, 3) at `rows` from the ideal ones x (n, 3) at times t (n,) s."""
+    def check(self, t: Array) -> None:
+        """ValueError for times t (n,) s between which nothing can be so late, or collected for so long."""
         if self.latency == 0.0 and self.window == 0.0:
-            return x[rows]
+            return
         if len(t) < 4:
             raise ValueError(f"latency and window need a motion of four samples or more; got {len(t)}.")
         back, span = self.latency + self.window, float(t[-1] - t[0])
@@ -70,6 +70,12 @@ class Sampling:
             raise ValueError(
                 f"latency and window, {back:g} s together, reach back beyond the whole motion of {span:g} s."
             )
+
+    def collect(self, t: Array, x: Array, rows: Rows) -> Array:
+        """Readings (m, 3) at `rows` from the ideal ones x (n, 3) at times t (n,) s."""
+        if self.latency == 0.0 and self.window == 0.0:
+            return x[rows]
+        self.check(t)
         return mean_over_window(t, x, t[rows] - self.latency, self.window)
 
 
@@ -110,18 +116,35 @@ class Clock(Shown):
                     "at which the unit delivers."
                 )
 
-    def stamps(self, t: Array, stream: Stream, so_far: SoFar | None = None) -> Array:
-        """Stamps (n,) s, strictly increasing, of samples taken at true times t (n,) s."""
-        first, begin = (0, t[0]) if so_far is None else (so_far.samples, so_far.begin)
-        stamped = t + self.offset + self.rate_offset * (t - begin)
-        if self.jitter == 0.0:
-            return stamped if self.offset or self.rate_offset else t
-        shortest = float(np.diff(stamped).min(initial=np.inf))
-        if not 2.0 * self.jitter < shortest:
+    def check(self, t: Array) -> None:
+        """ValueError for times t (n,) s that do not suit the jitter, or the sampling of a sensor."""
+        for sensor in (self.gyro, self.accel, self.mag):
+            sensor.check(t)
+        shortest = float(np.diff(self._steady(t)).min(initial=np.inf))
+        if self.jitter and not 2.0 * self.jitter < shortest:
             raise ValueError(
                 f"jitter must be below half the shortest step, {0.5 * shortest:.3g} s, or stamps would run back; "
                 f"got {self.jitter:g} s."
             )
+
+    def _steady(self, t: Array, begin: float | None = None) -> Array:
+        """Stamps without jitter; `begin` is the first time of all, where t (n,) does not hold it."""
+        if not self.offset and not self.rate_offset:
+            return t
+        return np.asarray(t + self.offset + self.rate_offset * (t - (t[0] if begin is None else begin)))
+
+    @property
+    def looks_back(self) -> bool:
+        """Whether a sensor reads what was there before its sample, for which all of a motion has to be there."""
+        return any(sensor.latency or sensor.window for sensor in (self.gyro, self.accel, self.mag))
+
+    def stamps(self, t: Array, stream: Stream, so_far: SoFar | None = None) -> Array:
+        """Stamps (n,) s, strictly increasing, of samples taken at true times t (n,) s."""
+        self.check(t)
+        first, begin = (0, None) if so_far is None else (so_far.samples, so_far.begin)
+        stamped = self._steady(t, begin)
+        if self.jitter == 0.0:
+            return stamped
         return stamped + self.jitter * (2.0 * stream.uniforms(first, len(t), 1, JITTER)[:, 0] - 1.0)
 
     def lost(self, count: int, stream: Stream, first: int = 0) -> npt.NDArray[np.bool_]:

@@ -76,6 +76,7 @@ class Imu(Shown):
         mount: Mount | None = None,
         environment: Environment | None = None,
         clock: Clock | None = None,
+        temperature: TemperatureHistory | None = None,
         **values: Any,
     ) -> Imu:
         """An IMU from the numbers of its datasheet, each under a name that wears its unit.
@@ -86,7 +87,7 @@ class Imu(Shown):
         """
         from kreisel.simulate.datasheet import triads
 
-        return cls._of(triads(values), mount, environment, clock)
+        return cls._of(triads(values), mount, environment, clock, temperature)
 
     @classmethod
     def from_preset(
@@ -96,16 +97,21 @@ class Imu(Shown):
         mount: Mount | None = None,
         environment: Environment | None = None,
         clock: Clock | None = None,
+        temperature: TemperatureHistory | None = None,
+        **values: Any,
     ) -> Imu:
         """The IMU of a datasheet that comes along, such as "bmi088", or of a preset file "mine.toml".
 
+        values: numbers as `from_datasheet` takes them, in place of the preset's or beside them.
         Its magnetometer reads where `environment` has a field; one without a magnetometer then has a perfect one.
 
-        Raises ValueError with the nearest name where there is no such preset.
+        Raises ValueError with the nearest name where there is no such preset, and as `from_datasheet` does.
         """
+        from kreisel.simulate.datasheet import completed, triads
         from kreisel.simulate.presets import load
 
-        return cls._of(load(name).triads(), mount, environment, clock)
+        made = triads(completed(load(name).values, values))
+        return cls._of(made, mount, environment, clock, temperature)
 
     @classmethod
     def from_noise(
@@ -116,12 +122,14 @@ class Imu(Shown):
         mount: Mount | None = None,
         environment: Environment | None = None,
         clock: Clock | None = None,
+        temperature: TemperatureHistory | None = None,
     ) -> Imu:
         """An IMU with the noise of a gyroscope (rad/s) and an accelerometer (m/s^2), and no other errors."""
         from kreisel.simulate.datasheet import Triads
         from kreisel.simulate.triad import Triad
 
-        return cls._of(Triads(Triad(gyro), Triad(accel), Triad()), mount, environment, clock)
+        triads = Triads(Triad(gyro), Triad(accel), Triad())
+        return cls._of(triads, mount, environment, clock, temperature)
 
     @classmethod
     def _of(
@@ -130,6 +138,7 @@ class Imu(Shown):
         mount: Mount | None,
         environment: Environment | None,
         clock: Clock | None,
+        temperature: TemperatureHistory | None,
     ) -> Imu:
         environment = environment or Environment()
         in_a_field = environment.field_N_uT is not None
@@ -140,6 +149,7 @@ class Imu(Shown):
             triads.mag.effects() if in_a_field else (),
             environment=environment,
             clock=clock or Clock(),
+            temperature=temperature,
         )
 
     def ideal(self, motion: Motion) -> ImuRecording:
@@ -233,11 +243,11 @@ class Imu(Shown):
         Raises ValueError as `record` does, where blocks do not follow each other, and for a clock with latency or
         window, which looks back beyond a block.
         """
-        session, last = Session(self, seed_from(rng), whole_number("run", run), step), -np.inf
-        if session.looks_back:
+        if self.clock.looks_back:
             raise ValueError(
                 "a clock with latency or window looks back beyond a block. Record in one piece, with record()."
             )
+        session, last = Session(self, seed_from(rng), whole_number("run", run), step), -np.inf
         for k, motion in enumerate(motions):
             self._check(motion, fewest=1 if k else 2)
             if not motion.t[0] > last:
@@ -324,9 +334,5 @@ class Imu(Shown):
             raise ValueError(
                 f"a recording needs two samples or more, for noise depends on the time between them; got {len(motion)}."
             )
-        history, (first, last) = self.temperature, motion.t[[0, -1]]
-        if history is not None and not history.covers(first, last):
-            span = f"{history.t[0]:.6g} to {history.t[-1]:.6g}" if len(history.t) else "no time at all"
-            raise ValueError(
-                f"temperature must cover the motion, from {first:.6g} to {last:.6g} s; it covers {span} s."
-            )
+        if self.temperature is not None:
+            self.temperature.check_covers(*motion.t[[0, -1]])

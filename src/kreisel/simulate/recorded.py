@@ -28,6 +28,9 @@ class Recorded(Shown, Generic[Delivered]):
     disturbance_N_uT: Array | None = (
         None  # (n, 3) in N, added by the world to the field at the sensor; None: nothing
     )
+    temperature_degC: Array | None = (
+        None  # (n,) of the sensor; None: room temperature, of which nothing was said
+    )
 
     def card(self) -> Card:
         """What each sensor read, what it should have read, and its bias."""

@@ -57,12 +57,6 @@ class Session:
             "mag_uT": _Channel(imu.mag_effects, imu.clock.mag),
         }
 
-    @property
-    def looks_back(self) -> bool:
-        """Whether a sensor reads what was there before its sample, for which all of the motion has to be there."""
-        each = [channel.sampling for channel in self._channels.values()]
-        return any(sampling.latency or sampling.window for sampling in each)
-
     def record(self, motion: Motion) -> Recorded[ImuRecording]:
         """What is read at the times of `motion`, which follows that of the call before."""
         imu, so_far = self._imu, self._so_far
@@ -91,6 +85,7 @@ class Session:
             gyro_bias=read_only(sensed["gyro"].bias),
             accel_bias=read_only(sensed["accel"].bias),
             disturbance_N_uT=self._disturbance(motion),
+            temperature_degC=None if imu.temperature is None else read_only(imu.temperature.at(motion.t)),
             seed=self._seed,
             run=self._run,
             replay=partial(self._errors, before, motion, ideal, so_far),

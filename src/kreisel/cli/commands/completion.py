@@ -25,7 +25,7 @@ _INSTALL = {line.split(",")[0]: re.split(r": {2,}", line)[1] for line in _EXAMPL
 # Metavars of what lies on the disk.
 _FILES = {
     *("FILE", "FOLDER", "DIR", "IN", "OUT", "PICTURE", "SENSOR"),
-    *("REAL", "POSES", "TRUTH", "ESTIMATE", "SCENARIO", "TRIAL"),
+    *("DEGC|FILE", "REAL", "POSES", "TRUTH", "ESTIMATE", "SCENARIO", "TRIAL"),
 }
 
 # Words that an option takes where its command checks them, and not argparse.

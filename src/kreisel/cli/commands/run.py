@@ -13,6 +13,7 @@ import numpy as np
 from kreisel.cli.outputs import (
     Output,
     aligned,
+    check_imu_names,
     check_outputs,
     describe_notes,
     output_folder,
@@ -25,6 +26,7 @@ from kreisel.cli.outputs import (
 )
 from kreisel.cli.progress import Progress
 from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
+from kreisel.cli.sensor_options import describe_sensor, sensor_called
 from kreisel.cli.surroundings import describe_field, describe_gravity, describe_place
 from kreisel.cli.values import UsageError
 from kreisel.files.doors import write
@@ -96,9 +98,10 @@ def _described(scenario: Scenario, result: Result) -> list[str]:
     t, recipe = result.motion.t, scenario.trajectory
     kind = recipe.kind if isinstance(recipe, TrajectoryRecipe) else type(recipe).__name__
     span = f"{len(t)} samples from {t[0]:.6g} to {t[-1]:.6g} s"
-    sensors = ", ".join(dict.fromkeys(imu.sensor or "ideal sensor" for imu in scenario.imus))
+    sensors = ", ".join(dict.fromkeys(map(sensor_called, scenario.imus)))
     lines = [f"{scenario.name or 'scenario'}: {kind}, {span}, {sensors}, seed {scenario.seed}"]
-    return [*lines, *_surroundings(scenario)]
+    changed = [line for imu in scenario.imus for line in describe_sensor(imu, f"  {imu.name}, ")]
+    return [*lines, *changed, *_surroundings(scenario)]
 
 
 def _surroundings(scenario: Scenario) -> list[str]:
@@ -140,17 +143,19 @@ def errors_table(estimates: Sequence[Estimate]) -> str:
 
 def _outputs(scenario: Scenario, pictures: bool) -> list[Output[Result]]:
     """Every file that a run of `scenario` writes."""
+    from kreisel.study.building import imus as made_of
     from kreisel.study.building import surroundings
-    from kreisel.study.sensor import errs, sensor_imu
+    from kreisel.study.folder import REPORT
+    from kreisel.study.sensor import errs
 
     imus, world = [imu.name for imu in scenario.imus], surroundings(scenario.environment)
-    made = [sensor_imu(imu.sensor, environment=world, folder=scenario.folder) for imu in scenario.imus]
-    erring = [name for name, imu in zip(imus, made, strict=True) if errs(imu)]
+    check_imu_names(imus)
+    erring = [imu.mount.name for imu in made_of(scenario, world) if errs(imu)]
     magnetometer = world.field_N_uT is not None
     outputs: list[Output[Result]] = [
         *simulation_outputs(imus, erring=erring, magnetometer=magnetometer, pictures=pictures),
         Output(
-            "report.json",
+            REPORT,
             "the scenario and all errors, for programs",
             lambda made, path: write_json(made.report(), path),
         ),
@@ -163,7 +168,9 @@ def _outputs(scenario: Scenario, pictures: bool) -> list[Output[Result]]:
 
 def _estimate_outputs(k: int, imu: str, filter: str, pictures: bool) -> list[Output[Result]]:
     """The files of estimate number `k`."""
-    stem = f"attitude-{imu}-{filter}".replace(" ", "-")
+    from kreisel.study.folder import estimate_stem
+
+    stem = estimate_stem(imu, filter)
 
     def attitude(made: Result, path: Path) -> None:
         write(path, made.estimates[k].attitude)

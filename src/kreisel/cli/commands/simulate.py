@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,8 +15,11 @@ from kreisel.cli.courses import add_course_arguments, read_course
 from kreisel.cli.inputs import add_input_arguments, rate, world
 from kreisel.cli.long_simulation import Sampled, in_blocks, write_long
 from kreisel.cli.outputs import (
+    Output,
+    Simulated,
     Simulation,
     aligned,
+    check_imu_names,
     check_outputs,
     describe_notes,
     describe_round_trip,
@@ -26,6 +30,13 @@ from kreisel.cli.outputs import (
 )
 from kreisel.cli.progress import Progress
 from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
+from kreisel.cli.sensor_options import (
+    add_sensor_arguments,
+    describe_sensor,
+    made,
+    sensor_called,
+    sensor_recipe,
+)
 from kreisel.cli.surroundings import (
     add_place_arguments,
     describe_declination,
@@ -55,6 +66,9 @@ examples:
   kreisel simulate poses.tum -o out/ --rate 400 --imu wrist:0.02,0,0.05
   kreisel simulate poses.csv -o out/ --imu bmi088 --seed 7
   kreisel simulate poses.csv -o out/ --imu adis16495 --seed 7 --increments
+  kreisel simulate poses.csv -o out/ --imu bmi088 --set gyro_noise_deg_per_s_rthz=0.02 --clock jitter=1e-4,loss=0.01
+  kreisel simulate poses.csv -o out/ --imu bmi088 --temperature warm.csv --set gyro_temperature_bias_dps_per_degC=0.01
+  kreisel simulate poses.csv -o out/ --imu bmi088 --effect accel:vibration_lines:frequency=35,amplitude=0.5/0.2/1
   kreisel simulate poses.csv -o out/ --sensor bmi088 --imu left:0,0.1,0 --imu right:0,-0.1,0
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
   kreisel simulate mocap.csv -o out/ --noise 0.1mm,0.01deg --max-gap 0.5
@@ -90,6 +104,7 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--seed", type=whole(), default=0, help="whole number from which noise is drawn (default 0)"
     )
+    add_sensor_arguments(parser)
     add_place_arguments(parser)
     parser.add_argument("--rate", type=rate, metavar="HZ", help="IMU rate (default: the times of the poses)")
     parser.add_argument(
@@ -138,7 +153,7 @@ def _add_output_arguments(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Read, differentiate, mount, write."""
-    from kreisel.study.sensor import errs, sensor_imu
+    from kreisel.study.sensor import errs
 
     started = time.perf_counter()
     _check_increments(args)
@@ -147,55 +162,72 @@ def run(args: Namespace) -> int:
     mounts = [to_enu_flu(mount, args.frame) for mount, _ in given]
     sensors = [named or args.sensor for _, named in given]
     environment = environment_at(args)
-    imus = [sensor_imu(named, mount, environment) for mount, named in zip(mounts, sensors, strict=True)]
     with as_typed():
-        outputs = simulation_outputs(
-            [mount.name for mount in mounts],
-            erring=[imu.mount.name for imu in imus if errs(imu)],
-            magnetometer=environment.field_N_uT is not None,
-            increments=args.increments,
-            world=args.to_frame,
-            imu_format=args.imu_format,
-            pictures=not args.no_pictures,
-            animation=args.animation,
-            rerun=args.rerun,
-        )
-        check_outputs(args.output, outputs)
+        recipe = sensor_recipe(args)
+    imus = [
+        made(replace(recipe, sensor=named), mount, environment)
+        for mount, named in zip(mounts, sensors, strict=True)
+    ]
+    outputs = _outputs(args, imus)
     with Progress(None, "differentiating"):
         course = read_course(args)
-        goes_in_blocks = in_blocks(args, course, len(imus))
+        goes_in_blocks = in_blocks(args, course, imus)
         motion = None if goes_in_blocks else course.motion
     if goes_in_blocks:
         outputs = [output for output in outputs if not output.name.endswith(".png")]
     if args.dry_run:
         reads = {args.input: f"{course.told} -> {len(course)} IMU samples"}
         return tell_plan(args, reads, written(args.output, outputs))
-    made = None if motion is None else _made(args, imus, motion)
-    if made is None:
+    simulation = None if motion is None else _simulated(args, imus, motion)
+    if simulation is None:
         sampled = write_long(args, course, imus, [imu for imu in imus if errs(imu)])
         lines = [f"{args.output / output.name}  {output.what}" for output in outputs]
     else:
-        sampled = Sampled.of(made.motion)
-        lines = write_outputs(args.output, outputs, made)
+        sampled = Sampled.of(simulation.motion)
+        lines = write_outputs(args.output, outputs, simulation)
     if args.json:
         print_json(_report(args, sampled, mounts, sensors, written(args.output, outputs)))
         return 0
-    told = ", ".join(dict.fromkeys(named or "ideal sensor" for named in sensors))
+    told = ", ".join(dict.fromkeys(named or sensor_called(recipe) for named in sensors))
     told += f", seed {args.seed}" if any(map(errs, imus)) else ""
     what = f"{sampled.samples - 1} IMU increments" if args.increments else f"{sampled.samples} IMU samples"
     print(f"{args.input}: {course.told} -> {what}, {told}")
+    print("".join(f"{line}\n" for line in describe_sensor(recipe)), end="")
     if args.place is not None:
         print(f"  {_described(environment)}")
     print("\n".join(f"  {line}" for line in describe_notes(sampled.notes)))
     print(f"written in {time.perf_counter() - started:.1f} s:")
     print(aligned(lines))
-    if args.check and made is not None:
+    if args.check and simulation is not None:
         print("integrated back from the first pose, the largest errors are:")
-        print(aligned(_round_trips(imus, made.motion, made)))
+        print(aligned(_round_trips(imus, simulation.motion, simulation)))
     return 0
 
 
-def _made(args: Namespace, imus: Sequence[Imu], motion: Motion) -> Simulation:
+def _outputs(args: Namespace, imus: Sequence[Imu]) -> list[Output[Simulated]]:
+    """The files to write, none of which replaces another."""
+    from kreisel.study.sensor import errs
+
+    names = [imu.mount.name for imu in imus]
+    with as_typed():
+        check_imu_names(names)
+    outputs = simulation_outputs(
+        names,
+        erring=[imu.mount.name for imu in imus if errs(imu)],
+        magnetometer=imus[0].environment.field_N_uT is not None,
+        increments=args.increments,
+        world=args.to_frame,
+        imu_format=args.imu_format,
+        pictures=not args.no_pictures,
+        animation=args.animation,
+        rerun=args.rerun,
+    )
+    with as_typed():
+        check_outputs(args.output, outputs)
+    return outputs
+
+
+def _simulated(args: Namespace, imus: Sequence[Imu], motion: Motion) -> Simulation:
     """What every IMU reads, or adds up."""
     from kreisel.study.sensor import add_up_all, record_all
 
