@@ -122,8 +122,10 @@ if TYPE_CHECKING:
     from kreisel.simulate.trajectories.sampled import SampledTrajectory as SampledTrajectory
     from kreisel.simulate.trajectories.waypoints import WaypointTrajectory as WaypointTrajectory
     from kreisel.simulate.trajectories.waypoints import waypoints as waypoints
+    from kreisel.study.engine import run_blocks as run_blocks
     from kreisel.study.round_trip import round_trip as round_trip
     from kreisel.study.scenario import Scenario as Scenario
+    from kreisel.study.sweep import sweep as sweep
     from kreisel.study.tune import tune as tune
 
 __version__ = "0.1.0"
@@ -198,6 +200,7 @@ _HOMES = {
     "run_all": "kreisel.estimate.batch",
     "run_batch": "kreisel.estimate.batch",
     "run_long": "kreisel.estimate.long",
+    "run_blocks": "kreisel.study.engine",
     "smooth": "kreisel.estimate.smooth",
     "smooth_all": "kreisel.estimate.smooth",
     "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
@@ -208,6 +211,7 @@ _HOMES = {
     "Smoothing": "kreisel.data.smoothing",
     "Stream": "kreisel.estimate.stream",
     "TemperatureBias": "kreisel.simulate.effects.temperature_bias",
+    "sweep": "kreisel.study.sweep",
     "TemperatureHistory": "kreisel.data.temperature",
     "TemperatureScale": "kreisel.simulate.effects.temperature_scale",
     "Trajectory": "kreisel.data.trajectory",
