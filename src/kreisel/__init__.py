@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from kreisel.estimate.batch import run_batch as run_batch
     from kreisel.estimate.filters.dcm import DcmFilter as DcmFilter
     from kreisel.estimate.filters.mekf import MekfFilter as MekfFilter
+    from kreisel.estimate.long import run_long as run_long
     from kreisel.estimate.run import run as run
     from kreisel.estimate.smooth import smooth as smooth
     from kreisel.estimate.smooth import smooth_all as smooth_all
@@ -68,6 +69,8 @@ if TYPE_CHECKING:
     from kreisel.evaluate.calibrate import calibrate_mag as calibrate_mag
     from kreisel.evaluate.motion_errors import MotionErrors as MotionErrors
     from kreisel.evaluate.motion_errors import motion_errors as motion_errors
+    from kreisel.files.blocks import read_blocks as read_blocks
+    from kreisel.files.blocks import write_blocks as write_blocks
     from kreisel.files.doors import read as read
     from kreisel.files.doors import write as write
     from kreisel.files.kalibr import KalibrImu as KalibrImu
@@ -184,6 +187,7 @@ _HOMES = {
     "Quantisation": "kreisel.simulate.effects.quantisation",
     "Range": "kreisel.simulate.effects.range",
     "read": "kreisel.files.doors",
+    "read_blocks": "kreisel.files.blocks",
     "read_kalibr": "kreisel.files.kalibr",
     "read_profile": "kreisel.files.profiles",
     "read_waypoints": "kreisel.files.waypoints",
@@ -195,6 +199,7 @@ _HOMES = {
     "run": "kreisel.estimate.run",
     "run_all": "kreisel.estimate.batch",
     "run_batch": "kreisel.estimate.batch",
+    "run_long": "kreisel.estimate.long",
     "run_blocks": "kreisel.study.engine",
     "smooth": "kreisel.estimate.smooth",
     "smooth_all": "kreisel.estimate.smooth",
@@ -220,6 +225,7 @@ _HOMES = {
     "WaypointTrajectory": "kreisel.simulate.trajectories.waypoints",
     "WhiteNoise": "kreisel.simulate.effects.white_noise",
     "write": "kreisel.files.doors",
+    "write_blocks": "kreisel.files.blocks",
     "write_kalibr": "kreisel.files.kalibr",
 }
 

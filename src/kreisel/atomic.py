@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import io
 import os
 import secrets
 import shutil
@@ -11,9 +10,12 @@ import sys
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import BinaryIO
+from tempfile import SpooledTemporaryFile
+from typing import IO, BinaryIO
 
 PathLike = str | os.PathLike[str]
+
+_IN_MEMORY = 1 << 24  # bytes for a pipe that are kept there; more wait on disk
 
 
 def replacing(path: PathLike) -> AbstractContextManager[BinaryIO]:
@@ -79,8 +81,13 @@ def _writes_through(path: PathLike) -> bool:
 @contextlib.contextmanager
 def _through(path: Path) -> Iterator[BinaryIO]:
     # Kept until the end: archives want to seek, and half a file is no better in a pipe.
-    buffer = io.BytesIO()
-    yield buffer
+    with SpooledTemporaryFile(_IN_MEMORY) as buffer:
+        yield buffer  # type: ignore[misc]  # which has all a stream has
+        _pour(buffer, path)
+
+
+def _pour(buffer: IO[bytes], path: Path) -> None:
+    buffer.seek(0)
     try:
         if is_standard_output(path):
             sys.stdout.flush()
@@ -88,7 +95,7 @@ def _through(path: Path) -> Iterator[BinaryIO]:
         else:
             stream = path.open("wb")
         with stream:
-            stream.write(buffer.getbuffer())
+            shutil.copyfileobj(buffer, stream, 1 << 20)
     except BrokenPipeError:
         raise
     except OSError as error:

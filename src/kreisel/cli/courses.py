@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import re
 from argparse import ArgumentParser, Namespace
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from kreisel.cli.inputs import read_input
 from kreisel.cli.values import UsageError, as_typed, number, one_of, typed
-from kreisel.data.checks import choice
+from kreisel.data.checks import Array, choice
 from kreisel.data.frames import to_enu_flu
 from kreisel.data.motion import Motion
-from kreisel.data.trajectory import Poses, even_times
+from kreisel.data.trajectory import Poses, Trajectory, even_count, even_times, some_even_times
 from kreisel.data.waypoint import Waypoint
 from kreisel.files.units import scale
 
@@ -44,11 +44,40 @@ _ORIENTATIONS = {
 }
 
 
-class Course(NamedTuple):
-    """What a file gave."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Course:
+    """What a file gave, and the times at which it is wanted."""
 
-    motion: Motion
+    trajectory: Trajectory
     told: str  # what it holds, for the summary
+    span: tuple[float, float]  # s
+    rate_hz: float | None
+    t: Array | None = None  # (n,) s, where there is no rate: those of the poses
+
+    def __len__(self) -> int:
+        return even_count(*self.span, self.rate_hz) if self.rate_hz else len(self.own)
+
+    @property
+    def own(self) -> Array:
+        """(n,) s, times of the poses."""
+        assert self.t is not None  # the rate is left out for poses only
+        first, last = self.span
+        return self.t[(self.t >= first) & (self.t <= last)]
+
+    @property
+    def motion(self) -> Motion:
+        """All of it."""
+        return self.trajectory.sample(even_times(*self.span, self.rate_hz) if self.rate_hz else self.own)
+
+    def blocks(self, rows: int) -> Iterator[Motion]:
+        """The same, so many rows at a time."""
+        for first in range(0, len(self), rows):
+            numbers = range(first, min(first + rows, len(self)))
+            if self.rate_hz:
+                times = some_even_times(*self.span, self.rate_hz, numbers)
+            else:
+                times = self.own[numbers.start : numbers.stop]
+            yield self.trajectory.sample(times)
 
 
 def add_course_arguments(parser: ArgumentParser) -> None:
@@ -107,7 +136,7 @@ def add_course_arguments(parser: ArgumentParser) -> None:
 
 
 def read_course(args: Namespace) -> Course:
-    """The trajectory that the arguments name. ValueError for options that do not belong to its kind."""
+    """The course that the arguments name. ValueError for options that do not belong to its kind."""
     kind = args.kind_of_path
     if args.orientation is not None:
         with as_typed():
@@ -125,7 +154,7 @@ def read_course(args: Namespace) -> Course:
         raise UsageError(f"--as {kind} needs a sampling rate: give --rate HZ.")
     trajectory, told = (_waypoints if kind == "waypoints" else _profile)(args, given)
     first, last = trajectory.span if np.isfinite(trajectory.span).all() else (0.0, trajectory.lap)
-    return Course(trajectory.sample(even_times(first, last, args.rate)), f"{told} over {last - first:.4g} s")
+    return Course(trajectory, f"{told} over {last - first:.4g} s", (first, last), args.rate)
 
 
 def _poses(args: Namespace) -> Course:
@@ -141,8 +170,8 @@ def _poses(args: Namespace) -> Course:
         smoothing["max_gap"] = args.max_gap
     trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method or "auto", **smoothing)
     first, last = trajectory.span
-    motion = trajectory.sample(None if args.rate is None else even_times(first, last, args.rate))
-    return Course(motion, f"{len(poses)} poses over {last - first:.4g} s")
+    told = f"{len(poses)} poses over {last - first:.4g} s"
+    return Course(trajectory, told, (first, last), args.rate, trajectory.t)
 
 
 def parse_noise(text: str) -> dict[str, Any]:

@@ -19,7 +19,13 @@ _SENSORS = ("gyro", "accel", "mag_uT", "dtheta", "dv")
 
 
 def write_error_terms(path: Path, recorded: Recorded, world: str) -> None:
-    """Write the ideal readings, the biases and every error term of `recorded` to an NPZ archive, in `world`.
+    """Write the arrays of `error_terms` to an NPZ archive."""
+    with replacing(path) as out:
+        np.savez(out, allow_pickle=False, **error_terms(recorded, world))
+
+
+def error_terms(recorded: Recorded, world: str) -> dict[str, Any]:
+    """The ideal readings, the biases and every error term of `recorded` by name, in `world`.
 
     Its arrays: t; ideal_SENSOR and SENSOR_error_EFFECT (n, 3), where SENSOR is gyro, accel or mag_uT, of increments
     dtheta or dv, and EFFECT the name of an effect; gyro_bias and accel_bias, sums of the errors that are biases, as
@@ -42,8 +48,7 @@ def write_error_terms(path: Path, recorded: Recorded, world: str) -> None:
         arrays["disturbance_N_uT"] = WORLDS[world].nav.to_theirs(recorded.disturbance_N_uT)
     if recorded.temperature_degC is not None:
         arrays["temperature_degC"] = recorded.temperature_degC
-    with replacing(path) as out:
-        np.savez(out, allow_pickle=False, **arrays, seed=np.array(recorded.seed))
+    return arrays | {"seed": np.array(recorded.seed)}
 
 
 def _as_rates(recorded: Recorded) -> ImuRecording:

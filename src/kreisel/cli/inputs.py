@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
+from kreisel.cli.memory import is_long
 from kreisel.cli.notes import note
 from kreisel.cli.values import UsageError, as_typed, number, one_of
 from kreisel.data.checks import choice
-from kreisel.data.facts import impossible_units, unit_doubts
+from kreisel.data.facts import Units
 from kreisel.data.frames import WORLDS, to_enu_flu
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trial import Trial
+from kreisel.files.blocks import read_blocks
 from kreisel.files.columns import GROUP_OF, GROUPS, KNOWN, split_unit
 from kreisel.files.doors import KINDS, format_names, read
 from kreisel.files.formats import Content, Noun
@@ -83,15 +86,27 @@ def read_input(args: Namespace, path: str | None = None, kind: str | None = None
 
 def read_content(args: Namespace, path: str | None = None, kind: str | None = None) -> Content:
     """The same in the axes of the file, and a benchmark's trial as a whole."""
-    return read(
-        Path(args.input if path is None else path),
-        args.from_format,
-        kind=kind or args.kind,
-        columns=parse_columns(args.column),
-        rate_hz=args.input_rate,
-        times=args.times,
-        topic=args.topic or (),
-    )
+    place, format, options = _asked(args, path, kind)
+    return read(place, format, **options)
+
+
+def read_content_blocks(
+    args: Namespace, path: str | None = None, kind: str | None = None
+) -> Iterator[Content]:
+    """The same block by block where the file is larger than memory has room for, else as one block."""
+    place, format, options = _asked(args, path, kind)
+    return read_blocks(place, format, **options) if is_long(place) else iter([read(place, format, **options)])
+
+
+def _asked(args: Namespace, path: str | None, kind: str | None) -> tuple[Path, str | None, dict[str, Any]]:
+    options = {
+        "kind": kind or args.kind,
+        "columns": parse_columns(args.column),
+        "rate_hz": args.input_rate,
+        "times": args.times,
+        "topic": args.topic or (),
+    }
+    return Path(args.input if path is None else path), args.from_format, options
 
 
 def parse_columns(pairs: Sequence[str] | None) -> dict[str, str] | None:
@@ -125,11 +140,16 @@ def check_units(recording: ImuRecording, path: str, trusted: bool, unit: str = "
 
     unit : how the unit of a column is named, for the complaint.
     """
-    impossible = impossible_units(recording)
+    check_units_of(Units.of(recording), path, trusted, unit)
+
+
+def check_units_of(units: Units, path: str, trusted: bool, unit: str = "accel_x='ax [g]'") -> None:
+    """The same of what was gathered from blocks."""
+    impossible = units.impossible()
     if impossible and not trusted:
         raise ValueError(
             f"{path}: {' And '.join(impossible)} Name the unit (--column {unit}), "
             "or insist with --trust-units."
         )
-    for doubt in unit_doubts(recording):
+    for doubt in units.doubts():
         note(f"{path}: {doubt}")

@@ -32,9 +32,14 @@ def described(data: Content) -> str:
     """What was read, in a few words."""
     from kreisel.data.trial import Trial
 
-    noun, t = type(data).__name__, data.recording.t if isinstance(data, Trial) else data.t
-    rows = f"{noun}, {len(t)} row{'' if len(t) == 1 else 's'}"
-    return f"{rows} over {t[-1] - t[0]:.6g} s" if len(t) else rows
+    t = data.recording.t if isinstance(data, Trial) else data.t
+    return described_by(type(data).__name__, len(t), float(t[-1] - t[0]) if len(t) else 0.0)
+
+
+def described_by(noun: str, rows: int, span: float) -> str:
+    """The same of so many rows over `span` s."""
+    counted = f"{noun}, {rows} row{'' if rows == 1 else 's'}"
+    return f"{counted} over {span:.6g} s" if rows else counted
 
 
 def tell_plan(args: Namespace, reads: Mapping[str, str], writes: Iterable[str | Path]) -> int:

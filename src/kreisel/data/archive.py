@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 # All that NumPy and zipfile raise where bytes are not those of an archive of plain arrays.
-_BROKEN = (
+BROKEN = (
     zipfile.BadZipFile,
     zlib.error,
     EOFError,
@@ -19,6 +19,11 @@ _BROKEN = (
     ValueError,
     AttributeError,
     NotImplementedError,
+)
+
+NOT_WHOLE = (
+    "it is no whole NPZ archive of plain arrays: it was cut off, is of another kind, or holds pickled "
+    "objects, which are never loaded."
 )
 
 
@@ -30,8 +35,5 @@ def arrays_in(path: str | os.PathLike[str]) -> dict[str, npt.NDArray[Any]]:
     try:
         with np.load(path, allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
-    except _BROKEN:
-        raise ValueError(
-            "it is no whole NPZ archive of plain arrays: it was cut off, is of another kind, or holds pickled "
-            "objects, which are never loaded."
-        ) from None
+    except BROKEN:
+        raise ValueError(NOT_WHOLE) from None

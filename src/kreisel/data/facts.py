@@ -9,6 +9,7 @@ import numpy as np
 from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.checks import Array
 from kreisel.data.increments import ImuIncrements
+from kreisel.data.median import RunningMedian
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
@@ -98,34 +99,84 @@ def clock_of(t: Array, t0_ns: int) -> Clock:
 
 def unit_doubts(recording: ImuRecording) -> list[str]:
     """Sentences about units and axes that look wrong, each naming the likely one; empty if none."""
-    doubts = impossible_units(recording)
-    fastest = _largest_norm(recording.gyro)
-    # A few such samples may be faults.
-    if fastest > _FASTEST_GYRO and not any(doubt.startswith("the gyro") for doubt in doubts):
-        doubts.append(f"the gyroscope reaches {fastest:.4g} rad/s: faults, or deg/s?")
-    if recording.mag_uT is not None:
-        doubts += _field_doubts(_median_norm(recording.mag_uT))
-    return doubts + _axis_doubts(recording.accel)
+    return Units.of(recording).doubts()
 
 
 def impossible_units(recording: ImuRecording) -> list[str]:
     """Those of the doubts that make every attitude wrong: units of the accelerometer and the gyroscope."""
-    doubts = []
-    force = _median_norm(recording.accel)
-    for unit, one in (("g", 1.0), ("mg or cm/s^2", 1e3)):
-        # Rest or ordinary movement keeps the median within a quarter of gravity.
-        if 0.75 * one < force < 1.25 * one:
+    return Units.of(recording).impossible()
+
+
+class Units:
+    """What the numbers of a recording say of their units, gathered from all of its blocks."""
+
+    def __init__(self) -> None:
+        self._force, self._field = RunningMedian(), RunningMedian()
+        self._rates = self._fast = 0
+        self._fastest = 0.0
+        self._rows, self._sum = 0, np.zeros(3)
+        self._mag = False
+
+    @classmethod
+    def of(cls, recording: ImuRecording) -> Units:
+        """Of a recording in one piece."""
+        units = cls()
+        units.add(recording)
+        return units
+
+    def add(self, block: ImuRecording) -> None:
+        """Take in one more block."""
+        self._force.add(_norms(block.accel))
+        rates = _norms(block.gyro)
+        self._rates += rates.size
+        self._fast += int((rates > _FASTEST_GYRO).sum())
+        self._fastest = max(self._fastest, float(rates.max(initial=0.0)))
+        rows = block.accel[np.isfinite(block.accel).all(axis=1)]
+        self._rows += len(rows)
+        self._sum += rows.sum(axis=0)
+        if block.mag_uT is not None:
+            self._mag = True
+            self._field.add(_norms(block.mag_uT))
+
+    def impossible(self) -> list[str]:
+        """Sentences about what makes every attitude wrong."""
+        doubts = []
+        force = self._force.value()
+        for unit, one in (("g", 1.0), ("mg or cm/s^2", 1e3)):
+            # Rest or ordinary movement keeps the median within a quarter of gravity.
+            if 0.75 * one < force < 1.25 * one:
+                doubts.append(
+                    f"the accelerometer's median is {force:.4g}: it looks like {unit}, where m/s^2 is expected."
+                )
+        # A handful are faults in a recording of any length.
+        if self._fast > max(5.0, _FAULTS * self._rates):
             doubts.append(
-                f"the accelerometer's median is {force:.4g}: it looks like {unit}, where m/s^2 is expected."
+                f"the gyroscope reaches {self._fastest:.4g} rad/s: it looks like deg/s, where rad/s is expected."
             )
-    fast = _norms(recording.gyro) > _FASTEST_GYRO
-    # A handful are faults in a recording of any length.
-    if fast.sum() > max(5.0, _FAULTS * fast.size):
-        fastest = _largest_norm(recording.gyro)
-        doubts.append(
-            f"the gyroscope reaches {fastest:.4g} rad/s: it looks like deg/s, where rad/s is expected."
-        )
-    return doubts
+        return doubts
+
+    def doubts(self) -> list[str]:
+        """Sentences about everything that looks wrong."""
+        doubts = self.impossible()
+        # A few such samples may be faults.
+        if self._fastest > _FASTEST_GYRO and not any(doubt.startswith("the gyro") for doubt in doubts):
+            doubts.append(f"the gyroscope reaches {self._fastest:.4g} rad/s: faults, or deg/s?")
+        if self._mag:
+            doubts += _field_doubts(self._field.value())
+        return doubts + self._axis_doubts()
+
+    def _axis_doubts(self) -> list[str]:
+        if self._rows == 0:
+            return []
+        mean, force = self._sum / self._rows, self._force.value()
+        # Within 25 degrees of straight down, as a level z-down sensor reads: nothing else looks like it but
+        # an IMU mounted upside down.
+        if mean[2] < -0.9 * np.linalg.norm(mean) and np.linalg.norm(mean) > 0.5 * force:
+            return [
+                "the mean specific force points along -z: z-down axes (--frame ned-frd), "
+                "or a sensor mounted upside down."
+            ]
+        return []
 
 
 def _field_doubts(strength: float) -> list[str]:
@@ -135,21 +186,6 @@ def _field_doubts(strength: float) -> list[str]:
             return [
                 f"the magnetometer's median is {strength:.4g}: it looks like {unit}, where uT is expected."
             ]
-    return []
-
-
-def _axis_doubts(accel: Array) -> list[str]:
-    rows = accel[np.isfinite(accel).all(axis=1)]
-    if len(rows) == 0:
-        return []
-    mean = rows.mean(axis=0)
-    # Within 25 degrees of straight down, as a level z-down sensor reads: nothing else looks like it but
-    # an IMU mounted upside down.
-    if mean[2] < -0.9 * np.linalg.norm(mean) and np.linalg.norm(mean) > 0.5 * _median_norm(accel):
-        return [
-            "the mean specific force points along -z: z-down axes (--frame ned-frd), "
-            "or a sensor mounted upside down."
-        ]
     return []
 
 

@@ -77,13 +77,23 @@ def even_times(first: float, last: float, rate_hz: float) -> Array:
 
     Raises ValueError for a rate that is not positive, and for more samples than memory holds.
     """
+    count = even_count(first, last, rate_hz)
+    if not count <= _MOST_SAMPLES:
+        raise ValueError(
+            f"{last - first:.6g} s at {rate_hz:.6g} Hz are {count:.3g} samples; at most {_MOST_SAMPLES:.3g} are made."
+        )
+    return some_even_times(first, last, rate_hz, range(count))
+
+
+def even_count(first: float, last: float, rate_hz: float) -> int:
+    """How many times `even_times` has; ValueError for a rate that is not positive."""
     if not 0.0 < rate_hz < 1e7:
         raise ValueError(f"the rate must be a positive number of hertz; got {rate_hz:g}.")
     # The allowance is for round-off in a span that is a whole number of steps.
-    steps = np.floor((last - first) * rate_hz + 1e-6)
-    if not steps < _MOST_SAMPLES:
-        raise ValueError(
-            f"{last - first:.6g} s at {rate_hz:.6g} Hz are {steps:.3g} samples; at most {_MOST_SAMPLES:.3g} are made."
-        )
+    return int(min(np.floor((last - first) * rate_hz + 1e-6), 1e18)) + 1
+
+
+def some_even_times(first: float, last: float, rate_hz: float, numbers: range) -> Array:
+    """Those of `even_times` with these numbers."""
     # Counted, not accumulated, so that the last step is as long as the first.
-    return np.minimum(first + np.arange(int(steps) + 1) / rate_hz, last)
+    return np.minimum(first + np.arange(numbers.start, numbers.stop) / rate_hz, last)

@@ -97,16 +97,29 @@ def read(
         magnetometer has to be named as well.
     Raises ValueError with file, line and column where the content is not sound, OSError where there is none.
     """
-    source = Path(path)
+    module, options = reader(path, format, kind, columns, rate_hz, times, topic)
+    return as_kind(module.read(Path(path), options), kind, Path(path))
+
+
+def reader(
+    path: PathLike,
+    format: str | None = None,
+    kind: str | None = None,
+    columns: Mapping[str, str] | None = None,
+    rate_hz: float | None = None,
+    times: PathLike | None = None,
+    topic: str | Sequence[str] = (),
+) -> tuple[ModuleType, ReadOptions]:
+    """The format that reads a file, and what `read` was asked for, checked."""
     if kind is not None:
         choice("kind", kind, list(KINDS))
     if columns is not None:
         format = format or "csv"
-    module = _format_of(source, format)
+    module = _format_of(Path(path), format)
     topics = (topic,) if isinstance(topic, str) else tuple(topic)
     options = ReadOptions(columns, _rate(rate_hz), None if times is None else Path(times), kind, topics)
     _check_options(module, options)
-    return _as_kind(module.read(source, options), kind, source)
+    return module, options
 
 
 def listing(path: PathLike, format: str | None = None) -> list[Topic] | None:
@@ -121,14 +134,19 @@ def write(path: PathLike, data: Noun, format: str | None = None) -> None:
 
     Raises ValueError where the format cannot hold the data, OSError where the place cannot be written.
     """
-    if not isinstance(data, Noun):
-        nouns = "Poses, Motion, ImuRecording, ImuIncrements, AttitudeHistory or Reference"
-        raise TypeError(f"data must be {nouns}; got {type(data).__name__}.")
+    checked_noun(data)
     module = format_to_write(path, format)
     if len(data) == 0:
         raise ValueError(f"nothing to write to {path}: the data has no rows.")
     with new_folder(path) if _is_folder(module) else replacing(path) as out:
         module.write(data, out)
+
+
+def checked_noun(data: object) -> None:
+    """TypeError where `data` is nothing that a file can hold."""
+    if not isinstance(data, Noun):
+        nouns = "Poses, Motion, ImuRecording, ImuIncrements, AttitudeHistory or Reference"
+        raise TypeError(f"data must be {nouns}; got {type(data).__name__}.")
 
 
 def format_to_write(path: PathLike, format: str | None = None) -> ModuleType:
@@ -228,7 +246,8 @@ def _check_options(module: ModuleType, options: ReadOptions) -> None:
             raise ValueError(f"{asked} does not apply to the format {format_name(module)!r}. Leave it out.")
 
 
-def _as_kind(data: Content, kind: str | None, path: Path) -> Content:
+def as_kind(data: Content, kind: str | None, path: Path) -> Content:
+    """`data` as the kind asked for; ValueError where it is none."""
     have = _KIND_OF[type(data)]
     if kind is None or have == kind:
         return data

@@ -17,16 +17,17 @@ Fields = npt.NDArray[np.bytes_]
 EPOCH_FROM_NS = 1e15
 
 
-def clock(fields: Fields, digits: int) -> tuple[Array, int]:
+def clock(fields: Fields, digits: int, t0_ns: int | None = None) -> tuple[Array, int]:
     """(t, t0_ns) from printed stamps in units of 10^-digits s.. 9 for seconds, 0 for nanoseconds.
 
-    fields : (n,) byte strings, each a finite number.
+    fields : (n,) byte strings, each a finite number. t0_ns : of the block before, where these go on.
     t : (n,) s after t0_ns. Stamps that start below 1e6 s have t0_ns = 0; others start at t = 0 exactly.
     """
     values = fields.astype(np.float64)
-    if abs(values[0]) * 10.0**digits < EPOCH_FROM_NS:
+    if t0_ns == 0 or (t0_ns is None and abs(values[0]) * 10.0**digits < EPOCH_FROM_NS):
         return values / 10.0 ** (9 - digits), 0
-    return from_nanoseconds(nanoseconds(fields, digits))
+    ns = nanoseconds(fields, digits)
+    return from_nanoseconds(ns) if t0_ns is None else ((ns - t0_ns) / 1e9, t0_ns)
 
 
 def from_nanoseconds(ns: Nanoseconds) -> tuple[Array, int]:

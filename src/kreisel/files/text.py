@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 
@@ -18,26 +18,36 @@ from kreisel.files.stamps import Fields, clock
 CONTROL = bytes({*range(32), 127} - {*b"\t\n\v\f\r"})
 _NEIGHBOURS = 100  # lines by which the last one is judged
 STAMP_WIDTH = 48  # bytes; float64 in full takes 25, nanosecond epochs 20
+UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 
 
 @dataclass(frozen=True, slots=True)
 class TextFile:
-    """A text file taken apart into lines of data and the comments above them."""
+    """A text file, or one block of it, taken apart into lines of data and the comments above them."""
 
     path: Path
     lines: list[str]  # every line
     rows: list[str]  # the lines that hold data
-    comments: list[str]  # comment lines before the first row, without their mark
+    comments: list[str]  # comment lines before the first row of the file, without their mark
+    first_line: int = 1  # number of the first of the lines
+    last: bool = True  # whether its last line is that of the file
 
     def line_of(self, row: int) -> int:
         """Line number, from 1, of row number `row`, from 0."""
-        numbers = (k for k, line in enumerate(self.lines, start=1) if is_data(line))
+        numbers = (k for k, line in enumerate(self.lines, start=self.first_line) if is_data(line))
         return next(k for i, k in enumerate(numbers) if i == row)
 
     def error(self, row: int, what: str, column: str | None = None) -> ValueError:
         """A complaint about one row, and one column of it, for the caller to raise."""
         where = f", column {column!r}" if column else ""
         return ValueError(f"{self.path}, line {self.line_of(row)}{where}: {what}")
+
+
+class Before(NamedTuple):
+    """The end of the block before: what the next one has to go on from."""
+
+    stamp: bytes  # as it was printed
+    t0_ns: int
 
 
 def is_data(line: str) -> bool:
@@ -51,17 +61,28 @@ def read_text(path: Path) -> TextFile:
     data = path.read_bytes()
     if not data.strip():
         raise ValueError(f"{path} is empty.")
-    lines = decode(path, data).replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    return taken_apart(path, decode(path, data))
+
+
+def taken_apart(path: Path, text: str, above: TextFile | None = None, last: bool = True) -> TextFile:
+    """The lines of a whole file, or of the block of it that follows the one `above`."""
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    if not last:
+        lines.pop()  # what follows the last line end is the next block's
     rows = [line for line in lines if is_data(line)]
-    if not rows:
-        raise ValueError(f"{path} has no rows: every line is blank or a comment.")
-    file = TextFile(path, lines, rows, comments_above(lines))
+    if above is None:
+        if last and not rows:
+            raise ValueError(f"{path} has no rows: every line is blank or a comment.")
+        file = TextFile(path, lines, rows, comments_above(lines), last=last)
+    else:
+        file = TextFile(path, lines, rows, above.comments, above.first_line + len(above.lines), last)
     # The first row may be a header.
-    if lines[-1] and len(rows) > 2 and _ends_early(rows[-1], rows[1:-1][-_NEIGHBOURS:]):
+    if last and lines[-1] and len(rows) > 2 and _ends_early(rows[-1], rows[1:-1][-_NEIGHBOURS:]):
         warnings.warn(
-            f"{path}, line {len(lines)}: the last line has no line end, and its last number fewer digits than is usual "
-            "in its column; the file may have been cut off there. Compare its size with the original's.",
-            stacklevel=2,
+            f"{path}, line {file.first_line + len(lines) - 1}: the last line has no line end, and its last number "
+            "fewer digits than is usual in its column; the file may have been cut off there. Compare its size with "
+            "the original's.",
+            stacklevel=3,
         )
     return file
 
@@ -85,17 +106,20 @@ def comments_above(lines: Iterable[str]) -> list[str]:
     return [comment for comment in comments if comment]
 
 
-def decode(path: Path, data: bytes) -> str:
-    """Text in UTF-8, UTF-16 with its mark, or Latin-1 for a degree sign; ValueError on control bytes."""
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+def decode(path: Path, data: bytes, at: int = 0) -> str:
+    """Text in UTF-8, UTF-16 with its mark, or Latin-1 for a degree sign; ValueError on control bytes.
+
+    at : number of the first byte in its file.
+    """
+    if at == 0 and data[:2] in UTF_16:
         try:
             return data.decode("utf-16")
         except UnicodeDecodeError:
             raise ValueError(f"{path} is not a text file: broken UTF-16. Save it again as UTF-8.") from None
     if len(data.translate(None, CONTROL)) < len(data):
-        at = next(k for k, byte in enumerate(data) if byte in CONTROL)
+        k = next(k for k, byte in enumerate(data) if byte in CONTROL)
         raise ValueError(
-            f"{path} is not a text file: byte {at} is {data[at]:#04x}. "
+            f"{path} is not a text file: byte {at + k} is {data[k]:#04x}. "
             "Check that it was not cut or compressed, or name its format."
         )
     try:
@@ -178,15 +202,17 @@ def load_timed(
     use: Sequence[int],
     digits: int,
     nan_ok: bool = False,
-) -> tuple[Array, int, Array]:
-    """(t, t0_ns, values): the stamps in the first column and the numbers in columns `use`, all checked.
+    before: Before | None = None,
+) -> tuple[Array, Before, Array]:
+    """(t, end, values): the stamps in the first column and the numbers in columns `use`, all checked.
 
     digits : of the stamps' unit down to nanoseconds, as `clock` takes them. nan_ok : NaN is a missing sample.
+    before : the end of the block that these rows follow.
     """
     stamps, values = load(file, delimiter, names, 0, use)
     assert stamps is not None  # the column asked for
-    t, t0_ns = checked_clock(file, stamps, digits, names[0])
-    return t, t0_ns, checked_finite(file, values, [names[k] for k in use], nan_ok)
+    t, end = checked_clock(file, stamps, digits, names[0], before)
+    return t, end, checked_finite(file, values, [names[k] for k in use], nan_ok)
 
 
 def _has_gaps(text: str, delimiter: str) -> bool:
@@ -202,7 +228,7 @@ def _check_widths(file: TextFile, rows: list[str], delimiter: str | None, width:
     if wrong.size:
         k = int(wrong[0])
         hint = "Repair or remove that line."
-        if k == len(rows) - 1 and counts[k] < width:
+        if file.last and k == len(rows) - 1 and counts[k] < width:
             hint = "It is the last line: the file was cut off. Copy it again or remove that line."
         elif delimiter == "," and k == 0 and counts[k] >= 2 * width - 1:
             hint = "Are these decimal commas? Write numbers with a decimal point."
@@ -268,20 +294,25 @@ def _diagnosis(
     return ValueError(f"{file.path}: {fallback}")
 
 
-def checked_clock(file: TextFile, stamps: Fields, digits: int, column: str) -> tuple[Array, int]:
-    """(t, t0_ns); ValueError with the line where time stands still or runs back."""
-    t, t0_ns = clock(stamps, digits)
+def checked_clock(
+    file: TextFile, stamps: Fields, digits: int, column: str, before: Before | None = None
+) -> tuple[Array, Before]:
+    """(t, end) of stamps that follow those `before`; ValueError with the line where time stands still or runs back."""
+    first = 0 if before is None else 1
+    if before is not None:
+        stamps = np.concatenate([np.array([before.stamp], stamps.dtype), stamps])
+    t, t0_ns = clock(stamps, digits, None if before is None else before.t0_ns)
     steps = np.diff(t)
     if steps.size and steps.min() <= 0.0:
         k = int(np.argmax(steps <= 0.0))
         what = "stands still" if steps[k] == 0.0 else "runs back"
         raise file.error(
-            k + 1,
+            k + 1 - first,
             f"time {what}, from {stamps[k].decode()} to {stamps[k + 1].decode()}. "
             "Sort the rows and drop repeated stamps.",
             column,
         )
-    return t, t0_ns
+    return t[first:], Before(stamps[-1], t0_ns)
 
 
 def checked_finite(file: TextFile, values: Array, names: Sequence[str], nan_ok: bool = False) -> Array:

@@ -11,6 +11,7 @@ Source: Whittle's likelihood, with cosines instead of a Fourier transform; the v
 from __future__ import annotations
 
 from functools import lru_cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +25,8 @@ TWO_SIDED = 3.841
 # Coefficients taken one by one, whose flicker knows of the ends of the record; beyond, bins of about 5 %.
 _SINGLE = 24
 _BINS_PER_DECADE = 48
+
+_AT_ONCE = 1 << 20
 
 _PASSES = 60
 _ENOUGH = 1e-6  # of twice a log likelihood, of which a confidence interval is 4 wide
@@ -52,8 +55,10 @@ def powers(samples: Array) -> Powers:
     from scipy.fft import dct
 
     first, counts, shapes = _bins(len(samples))
-    coefficients = dct(samples - np.mean(samples), type=2, norm="ortho")[1:]
-    return Powers(counts, shapes, np.add.reduceat(coefficients**2, first) / counts)
+    # In place: of a long record there is no room for many copies.
+    squares = dct(samples - np.mean(samples), type=2, norm="ortho", overwrite_x=True)[1:]
+    np.square(squares, out=squares)
+    return Powers(counts, shapes, np.add.reduceat(squares, first) / counts)
 
 
 def likeliest(of: Powers) -> Fit:
@@ -149,13 +154,24 @@ def _bins(samples: int) -> tuple[npt.NDArray[np.intp], Array, Array]:
     first = np.unique(np.r_[np.arange(single), np.geomspace(single + 1, samples, many).astype(np.intp) - 1])
     first = first[first < count]
     counts = np.diff(np.append(first, count)).astype(np.float64)
-    f = np.arange(1, samples) / (2.0 * samples)
+    edges = np.append(first, count)
+    # Some bins at a time, for the memory of a long record.
+    cuts = np.searchsorted(edges, np.arange(0, count, _AT_ONCE))
+    pieces = [edges[a : b + 1] for a, b in pairwise(np.unique([*cuts, len(first)]))]
+    sums = np.vstack([_sums(piece, samples, single) for piece in pieces])
+    return first, counts, sums / counts[:, None]
+
+
+def _sums(edges: npt.NDArray[np.intp], samples: int, single: int) -> Array:
+    """The three variances for theta of ones, summed over each of the bins between `edges`."""
+    j = np.arange(edges[0] + 1.0, edges[-1] + 1.0)
+    f = j / (2.0 * samples)
     sine = np.sin(np.pi * f) ** 2
-    ends = 1.0 - 2.0 / (np.pi**2 * np.arange(1.0, samples))
-    ends[:single] = _ends(single)
-    columns = (np.ones(count), ends * _flicker(f, sine), 0.25 / sine)
-    shapes = np.column_stack([np.add.reduceat(column, first) / counts for column in columns])
-    return first, counts, shapes
+    ends = 1.0 - 2.0 / (np.pi**2 * j)
+    if edges[0] < single:
+        ends[: single - edges[0]] = _ends(single)[edges[0] : edges[-1]]
+    columns = (np.ones(len(j)), ends * _flicker(f, sine), 0.25 / sine)
+    return np.column_stack([np.add.reduceat(column, edges[:-1] - edges[0]) for column in columns])
 
 
 def _flicker(f: Array, sine: Array) -> Array:

@@ -41,18 +41,23 @@ def sense(
     contexts: Iterable[Context],
     stream_of: Callable[[str], Stream],
     errors: Mapping[str, Array] | None = None,
+    states: list[Array] | None = None,
 ) -> Sensed:
     """Send `ideal` (n, 3) through `effects`, block by block; `contexts` are those of all blocks, in order.
 
     errors: name of the effect -> array (n, 3) that takes what it added; of effects not in it nothing is kept.
+    states: those of the effects where `ideal` goes on from an earlier call, changed in place; an empty list is filled.
     """
     kept = errors or {}
     sensed = Sensed(np.empty_like(ideal), np.zeros_like(ideal))
     acting = [(effect, stream_of(effect.name)) for effect in effects if not effect.idle]
-    states: list[Array] = []
+    states = [] if states is None else states
+    begin = 0
     for context in contexts:
-        states = states or [effect.start(context, stream) for effect, stream in acting]
-        rows = slice(context.first, context.first + len(context.t))
+        if not states:
+            states += [effect.start(context, stream) for effect, stream in acting]
+        rows = slice(begin, begin + len(context.t))
+        begin = rows.stop
         block = unbiased = ideal[rows]
         bias = sensed.bias[rows]
         for k, (effect, stream) in enumerate(acting):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +18,14 @@ Rows = slice | npt.NDArray[np.int64]
 
 JITTER, LOSS = 0, 1
 """Channels of the clock's stream."""
+
+
+class SoFar(NamedTuple):
+    """What came before a block of times."""
+
+    samples: int
+    begin: float  # s, the first of them
+    last: float  # s
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,13 +49,15 @@ class Sampling:
         for name in ("latency", "window"):
             object.__setattr__(self, name, scalar(name, getattr(self, name), "s", 0.0))
 
-    def rows(self, t: Array) -> Rows:
+    def rows(self, t: Array, so_far: SoFar | None = None) -> Rows:
         """Rows of times t (n,) s at which there is a sample: the first after every period begins."""
         if self.rate == np.inf:
             return slice(0, len(t))
+        begin, last = (t[0], None) if so_far is None else (so_far.begin, so_far.last)
         # The allowance is for round-off in stamps that are whole periods apart.
-        period = np.floor((t - t[0]) * self.rate + 1e-6)
-        return np.flatnonzero(np.diff(period, prepend=-1.0) > 0.0)
+        period = np.floor((t - begin) * self.rate + 1e-6)
+        before = -1.0 if last is None else np.floor((last - begin) * self.rate + 1e-6)
+        return np.flatnonzero(np.diff(period, prepend=before) > 0.0)
 
     def check(self, t: Array) -> None:
         """ValueError for times t (n,) s between which nothing can be so late, or collected for so long."""
@@ -116,30 +127,44 @@ class Clock(Shown):
                 f"got {self.jitter:g} s."
             )
 
-    def _steady(self, t: Array) -> Array:
-        """Stamps without jitter."""
-        return t + self.offset + self.rate_offset * (t - t[0]) if self.offset or self.rate_offset else t
+    def _steady(self, t: Array, begin: float | None = None) -> Array:
+        """Stamps without jitter; `begin` is the first time of all, where t (n,) does not hold it."""
+        if not self.offset and not self.rate_offset:
+            return t
+        return np.asarray(t + self.offset + self.rate_offset * (t - (t[0] if begin is None else begin)))
 
-    def stamps(self, t: Array, stream: Stream) -> Array:
+    @property
+    def looks_back(self) -> bool:
+        """Whether a sensor reads what was there before its sample, for which all of a motion has to be there."""
+        return any(sensor.latency or sensor.window for sensor in (self.gyro, self.accel, self.mag))
+
+    def stamps(self, t: Array, stream: Stream, so_far: SoFar | None = None) -> Array:
         """Stamps (n,) s, strictly increasing, of samples taken at true times t (n,) s."""
         self.check(t)
-        stamped = self._steady(t)
+        first, begin = (0, None) if so_far is None else (so_far.samples, so_far.begin)
+        stamped = self._steady(t, begin)
         if self.jitter == 0.0:
             return stamped
-        return stamped + self.jitter * (2.0 * stream.uniforms(0, len(t), 1, JITTER)[:, 0] - 1.0)
+        return stamped + self.jitter * (2.0 * stream.uniforms(first, len(t), 1, JITTER)[:, 0] - 1.0)
 
-    def lost(self, count: int, stream: Stream) -> npt.NDArray[np.bool_]:
-        """Which of `count` samples (count,) never arrive."""
+    def lost(self, count: int, stream: Stream, first: int = 0) -> npt.NDArray[np.bool_]:
+        """Which of `count` samples (count,) never arrive; `first` is the number of the first of them."""
         if self.loss == 0.0:
             return np.zeros(count, dtype=bool)
-        return stream.uniforms(0, count, 1, LOSS)[:, 0] < self.loss
+        return stream.uniforms(first, count, 1, LOSS)[:, 0] < self.loss
 
 
-def steps(t: Array) -> Array:
-    """Time (n,) s since the sample before, at times t (n,); the first sample has that of the second."""
+def steps(t: Array, last: float | None = None) -> Array:
+    """Time (n,) s since the sample before, at times t (n,); the first sample of all has that of the second.
+
+    last : s, time of the sample before these, where there is one.
+    """
     dt = np.empty_like(t)
     dt[1:] = np.diff(t)
-    dt[0] = dt[1] if len(t) > 1 else np.inf
+    if last is not None:
+        dt[:1] = t[:1] - last
+    else:
+        dt[:1] = dt[1] if len(t) > 1 else np.inf
     return read_only(dt)
 
 

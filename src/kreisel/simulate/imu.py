@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from types import MappingProxyType
@@ -16,24 +16,20 @@ from kreisel.data.environment import Environment
 from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
-from kreisel.data.tables import CONSTANTS
 from kreisel.data.temperature import TemperatureHistory
 from kreisel.maths.kinematics import specific_force, specific_force_sigma
 from kreisel.maths.random import seed_from, stream
 from kreisel.maths.turning import felt_acceleration, felt_rate
-from kreisel.simulate.chain import BLOCK, Felt, Sensed, checked_effects, sense
-from kreisel.simulate.clock import Clock, Sampling, count, part, spread, steps
-from kreisel.simulate.context import Context
+from kreisel.simulate.chain import Felt, Sensed, checked_effects, sense
+from kreisel.simulate.clock import Clock
 from kreisel.simulate.effects import Effect
-from kreisel.simulate.effects.white_noise import WhiteNoise
 from kreisel.simulate.increments import added_up, ideal_increments
 from kreisel.simulate.recorded import Recorded
+from kreisel.simulate.session import SENSORS, Session, blocks, contexts_of
 
 if TYPE_CHECKING:
     from kreisel.data.noise import NoiseModel
     from kreisel.simulate.datasheet import Triads
-
-SENSORS = ("gyro", "accel", "mag_uT")
 
 # Increments are sums of what these read.
 _SUMS = MappingProxyType({"dtheta": "gyro", "dv": "accel"})
@@ -169,7 +165,7 @@ class Imu(Shown):
         self._check_motion(motion)
         field_N_uT, turn = self.environment.field_N_uT, self.environment.omega_IN_N
         gyro, accel, mag_uT = (np.empty((len(motion), 3)) for _ in SENSORS)
-        for rows in _blocks(len(motion)):
+        for rows in blocks(len(motion)):
             at_sensor = motion.rows(rows).at(self.mount)
             gyro[rows] = felt_rate(at_sensor.omega_NB_B, at_sensor.R_NB, turn)
             a_N = felt_acceleration(at_sensor.a_NB, at_sensor.v_NB, at_sensor.p_NB, turn)
@@ -201,7 +197,7 @@ class Imu(Shown):
             return None, None
         gyro_sigma, accel_sigma = np.empty((2, len(motion), 3))
         place = self.mount.p_BS, self.mount.R_BS
-        for rows in _blocks(len(motion)):
+        for rows in blocks(len(motion)):
             body = motion.rows(rows)
             known = body.uncertainty
             assert known is not None  # as that of the whole
@@ -228,34 +224,38 @@ class Imu(Shown):
         and effects that do not suit their sensor.
         """
         self._check(motion)
-        seed, run = seed_from(rng), whole_number("run", run)
-        ideal = self.ideal(motion)
-        sensed = {
-            sensor: self._sense(sensor, motion, ideal, seed, run)
-            for sensor in SENSORS
-            if getattr(ideal, sensor) is not None
-        }
-        clock_stream = stream(seed, run, self.mount.name, "clock")
-        lost = self.clock.lost(len(motion), clock_stream)
-        for each in sensed.values():
-            each.reading[lost] = np.nan
-        return Recorded(
-            measured=ImuRecording(
-                t=read_only(self.clock.stamps(motion.t, clock_stream)),
-                **{sensor: read_only(each.reading) for sensor, each in sensed.items()},
-                t0_ns=motion.t0_ns,
-                name=self.mount.name,
-                **self._noises(motion, ideal),
-            ),
-            ideal=ideal,
-            gyro_bias=read_only(sensed["gyro"].bias),
-            accel_bias=read_only(sensed["accel"].bias),
-            disturbance_N_uT=self._disturbance(motion),
-            temperature_degC=None if self.temperature is None else read_only(self.temperature.at(motion.t)),
-            seed=seed,
-            run=run,
-            replay=partial(self._errors, motion, ideal, seed, run),
-        )
+        return Session(self, seed_from(rng), whole_number("run", run)).record(motion)
+
+    def record_long(
+        self,
+        motions: Iterable[Motion],
+        rng: int | np.random.Generator,
+        run: int = 0,
+        *,
+        step: float | None = None,
+    ) -> Iterator[Recorded]:
+        """What `record` gives for a motion that comes in blocks, block by block, in memory that does not grow.
+
+        motions : pieces of one motion, one after the other, the first with two samples of each sensor; a generator
+            may make them, as in ``(path.sample(t) for t in pieces)``. Each is recorded before the next is asked for.
+        step : s, the median step of the whole motion, from which gyro_noise, accel_noise and mag_noise_uT follow;
+            that of the first block where it is left out. All else has the bits of the whole.
+        Raises ValueError as `record` does, where blocks do not follow each other, and for a clock with latency or
+        window, which looks back beyond a block.
+        """
+        if self.clock.looks_back:
+            raise ValueError(
+                "a clock with latency or window looks back beyond a block. Record in one piece, with record()."
+            )
+        session, last = Session(self, seed_from(rng), whole_number("run", run), step), -np.inf
+        for k, motion in enumerate(motions):
+            self._check(motion, fewest=1 if k else 2)
+            if not motion.t[0] > last:
+                raise ValueError(
+                    f"blocks must follow each other in time; one begins at {motion.t[0]:.9g} s, not after {last:.9g} s."
+                )
+            last = float(motion.t[-1])
+            yield session.record(motion)
 
     def record_increments(
         self, motion: Motion, rng: int | np.random.Generator, run: int = 0
@@ -290,26 +290,10 @@ class Imu(Shown):
             replay=partial(self._errors_of_sums, motion, ideal, seed, run),
         )
 
-    def _disturbance(self, motion: Motion) -> Array | None:
-        if not self.environment.disturbances:
-            return None
-        p_NS = motion.p_NB + motion.R_NB @ self.mount.p_BS
-        return read_only(self.environment.disturbance_N_uT(motion.t, p_NS))
-
-    def _errors(
-        self, motion: Motion, ideal: ImuRecording, seed: int, run: int, sensor: str
-    ) -> dict[str, Array]:
-        choice("sensor", sensor, [name for name in SENSORS if getattr(ideal, name) is not None])
-        effects, sampling = self._parts(sensor)
-        rows = sampling.rows(motion.t)
-        errors = {effect.name: np.zeros((count(rows), 3)) for effect in effects}
-        self._sense(sensor, motion, ideal, seed, run, errors)
-        return {name: spread(added, rows, len(motion)) for name, added in errors.items()}
-
     def _errors_of_sums(
         self, motion: Motion, ideal: ImuIncrements, seed: int, run: int, sensor: str
     ) -> dict[str, Array]:
-        effects, _ = self._parts(_SUMS[choice("sensor", sensor, list(_SUMS))])
+        effects = self._effects(_SUMS[choice("sensor", sensor, list(_SUMS))])
         errors = {effect.name: np.zeros((len(ideal), 3)) for effect in effects}
         self._sense(_SUMS[sensor], motion, ideal, seed, run, errors)
         dt = np.diff(motion.t)[:, None]
@@ -319,62 +303,21 @@ class Imu(Shown):
         self,
         sensor: str,
         motion: Motion,
-        ideal: ImuRecording | ImuIncrements,
+        ideal: ImuIncrements,
         seed: int,
         run: int,
         errors: Mapping[str, Array] | None = None,
     ) -> Sensed:
-        effects, _ = self._parts(sensor)
-        felt = self._felt(sensor, motion, ideal)
+        """Means over the intervals as `sensor` has them."""
+        means, ends = ideal.mean_rates(), slice(1, len(motion))
+        dt = read_only(np.diff(motion.t))
+        felt = Felt(getattr(means, sensor), ends, dt, means.accel, averaged=True)
         stream_of = partial(stream, seed, run, f"{self.mount.name}/{sensor}")
-        sensed = sense(effects, felt.reading, self._contexts(sensor, motion, felt), stream_of, errors)
-        return Sensed(*(spread(column, felt.rows, len(motion)) for column in sensed))
+        contexts = contexts_of(self, sensor, motion, felt)
+        return sense(self._effects(sensor), felt.reading, contexts, stream_of, errors)
 
-    def _felt(self, sensor: str, motion: Motion, ideal: ImuRecording | ImuIncrements) -> Felt:
-        if isinstance(ideal, ImuIncrements):
-            means, ends = ideal.mean_rates(), slice(1, len(motion))
-            return Felt(
-                getattr(means, sensor), ends, read_only(np.diff(motion.t)), means.accel, averaged=True
-            )
-        _, sampling = self._parts(sensor)
-        rows = sampling.rows(motion.t)
-        reading = sampling.collect(motion.t, getattr(ideal, sensor), rows)
-        return Felt(reading, rows, steps(motion.t[rows]), ideal.accel[rows])
-
-    def _noises(self, motion: Motion, ideal: ImuRecording) -> dict[str, Array]:
-        """Deviations (3,) of the white noise in one sample at the median step, of the sensors that have some."""
-        noises = {}
-        for name, sensor in zip(CONSTANTS, SENSORS, strict=True):
-            effects, sampling = self._parts(sensor)
-            densities = [effect.density for effect in effects if isinstance(effect, WhiteNoise)]
-            if getattr(ideal, sensor) is not None and np.any(densities):
-                step = np.median(steps(motion.t[sampling.rows(motion.t)]))
-                noises[name] = np.linalg.norm(densities, axis=0) / np.sqrt(step)
-        return noises
-
-    def _parts(self, sensor: str) -> tuple[Sequence[Effect], Sampling]:
-        return {
-            "gyro": (self.gyro_effects, self.clock.gyro),
-            "accel": (self.accel_effects, self.clock.accel),
-            "mag_uT": (self.mag_effects, self.clock.mag),
-        }[sensor]
-
-    def _contexts(self, sensor: str, motion: Motion, felt: Felt) -> Iterator[Context]:
-        t = motion.t[felt.rows]
-        for block in _blocks(len(t)):
-            yield Context(
-                sensor=sensor,
-                first=block.start,
-                t=t[block],
-                dt=felt.dt[block],
-                specific_force=felt.force[block],
-                environment=self.environment,
-                mount=self.mount,
-                body=motion,
-                rows=part(felt.rows, block),
-                history=self.temperature,
-                averaged=felt.averaged,
-            )
+    def _effects(self, sensor: str) -> Sequence[Effect]:
+        return self.gyro_effects if sensor == "gyro" else self.accel_effects
 
     def _check_motion(self, motion: Motion) -> None:
         instance("motion", motion, Motion, "A trajectory's sample(t) gives one.")
@@ -385,15 +328,11 @@ class Imu(Shown):
                 f"with one gravity, and ends after {FARTHEST:.0e} m. Subtract the place from the positions."
             )
 
-    def _check(self, motion: Motion) -> None:
+    def _check(self, motion: Motion, fewest: int = 2) -> None:
         self._check_motion(motion)
-        if len(motion) < 2:
+        if len(motion) < fewest:
             raise ValueError(
                 f"a recording needs two samples or more, for noise depends on the time between them; got {len(motion)}."
             )
         if self.temperature is not None:
             self.temperature.check_covers(*motion.t[[0, -1]])
-
-
-def _blocks(n: int) -> Iterator[slice]:
-    return (slice(first, min(first + BLOCK, n)) for first in range(0, n, BLOCK))

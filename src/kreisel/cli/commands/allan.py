@@ -5,20 +5,24 @@ from __future__ import annotations
 import json
 import math
 from argparse import ArgumentParser, Namespace
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kreisel.cli.batch import derived, expanded, over_files
-from kreisel.cli.inputs import add_input_arguments, check_units, read_input
+from kreisel.cli.inputs import add_input_arguments, check_units_of, read_content_blocks
+from kreisel.cli.memory import is_long
 from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
 from kreisel.cli.values import number
 from kreisel.data.checks import SAME_INSTANT
+from kreisel.data.facts import Units
+from kreisel.data.frames import to_enu_flu
+from kreisel.data.recording import ImuRecording
+from kreisel.data.trial import Trial
 
 if TYPE_CHECKING:
-    from kreisel.data.recording import ImuRecording
     from kreisel.evaluate.allan import AllanFit
 
 HELP = "noise of a sensor at rest: Allan deviation, white noise, bias instability, random walk"
@@ -78,17 +82,17 @@ def configure(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Read, fit, report."""
-    from kreisel.data.recording import ImuRecording
     from kreisel.evaluate.allan import allan
+    from kreisel.files.blocks import joined, mapped
 
     paths = expanded(args.input)
     folders = _folders(args.output, paths)
     sensors = _SENSORS[args.sensor]
 
     def one(path: str) -> dict[str, Any]:
-        recording = read_input(args, path, kind="imu")
+        blocks = _blocks(args, path)
+        recording = mapped(blocks) if is_long(Path(path)) else joined(list(blocks))
         assert isinstance(recording, ImuRecording)  # the kind asked for
-        check_units(recording, path, args.trust_units)
         recording = _piece(recording, args.start, args.end)
         if args.dry_run:
             return {"file": path, "what": described(recording)}
@@ -119,6 +123,18 @@ def _folders(output: str | None, paths: Sequence[str]) -> dict[str, Path] | None
 
 def _files_of(folder: Path, sensors: Sequence[str]) -> list[Path]:
     return [folder / name for name in ("allan.json", "preset.toml", *(f"allan_{s}.png" for s in sensors))]
+
+
+def _blocks(args: Namespace, path: str) -> Iterator[ImuRecording]:
+    """What the file holds, in our axes; refused at its end where the units of the whole cannot be."""
+    units = Units()
+    for content in read_content_blocks(args, path, kind="imu"):
+        recording = content.recording if isinstance(content, Trial) else content
+        block = to_enu_flu(recording, args.frame)
+        assert isinstance(block, ImuRecording)  # the kind asked for
+        units.add(block)
+        yield block
+    check_units_of(units, path, args.trust_units)
 
 
 def _piece(recording: ImuRecording, start: float | None, end: float | None) -> ImuRecording:

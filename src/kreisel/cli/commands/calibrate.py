@@ -76,7 +76,7 @@ def configure(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Read, calibrate or apply, write."""
-    from kreisel.cli.commands.estimate import check_units
+    from kreisel.cli.inputs import check_units
 
     _check_options(args)
     recording = read_input(args, kind="imu")

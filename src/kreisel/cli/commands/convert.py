@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+from collections import deque
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 from kreisel.cli.batch import derived, expanded, over_files
-from kreisel.cli.inputs import add_input_arguments, read_input, world
+from kreisel.cli.inputs import add_input_arguments, read_content_blocks, world
 from kreisel.cli.outputs import check_format, summary_stream
-from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
+from kreisel.cli.reports import add_report_arguments, described_by, print_json, tell_plan
 from kreisel.cli.values import UsageError, one_of
-from kreisel.data.frames import WORLDS, from_enu_flu
-from kreisel.files.doors import suffix, writable_names, write
+from kreisel.data.frames import WORLDS, from_enu_flu, to_enu_flu
+from kreisel.data.trial import Trial
+from kreisel.files.blocks import write_blocks
+from kreisel.files.doors import suffix, writable_names
+from kreisel.files.formats import Noun
 
 HELP = "a file in another format, other units or another world"
 
@@ -61,13 +66,16 @@ def run(args: Namespace) -> int:
     place, places = _places(args)
 
     def one(path: str) -> dict[str, Any]:
-        data, output = from_enu_flu(read_input(args, path), args.to_frame), places[path]
-        if not args.dry_run:
+        found, output = _Found(), places[path]
+        blocks = found.of(_turned(args, path))
+        if args.dry_run:
+            deque(blocks, maxlen=0)
+        else:
             if output != place:
                 output.parent.mkdir(parents=True, exist_ok=True)
-            write(output, data, args.to)
-        told = {"rows": len(data), "span_s": float(data.t[-1] - data.t[0])}
-        return {"file": path, "output": str(output), "what": described(data), **told}
+            write_blocks(output, blocks, args.to)
+        told = {"rows": found.rows, "span_s": found.span}
+        return {"file": path, "output": str(output), "what": found.described, **told}
 
     batch = over_files(list(places), one, "reading" if args.dry_run else "converting")
     if args.dry_run:
@@ -96,3 +104,37 @@ def _places(args: Namespace) -> tuple[Path, dict[str, Path]]:
         raise UsageError(f"{output} is a folder: name the format of its files, as in --to csv.")
     check_format(str(outputs[0]), args.to)
     return Path(output), dict(zip(paths, outputs, strict=True))
+
+
+def _turned(args: Namespace, path: str) -> Iterator[Noun]:
+    for content in read_content_blocks(args, path):
+        data = content.recording if isinstance(content, Trial) else content
+        yield from_enu_flu(to_enu_flu(data, args.frame), args.to_frame)
+
+
+class _Found:
+    """What the summary tells, gathered from the blocks on their way."""
+
+    def __init__(self) -> None:
+        self.rows, self._stamps, self._noun = 0, 0, ""
+        self._first = self._last = 0.0
+
+    def of(self, blocks: Iterable[Noun]) -> Iterator[Noun]:
+        """The same blocks."""
+        for block in blocks:
+            self._noun = type(block).__name__
+            self._first = self._first if self._stamps else float(block.t[0])
+            self._stamps += len(block.t)
+            self.rows += len(block)
+            self._last = float(block.t[-1])
+            yield block
+
+    @property
+    def span(self) -> float:
+        """From the first stamp to the last, s."""
+        return self._last - self._first
+
+    @property
+    def described(self) -> str:
+        """What was read, in a few words."""
+        return described_by(self._noun, self._stamps, self.span)

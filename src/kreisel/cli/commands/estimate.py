@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Mapping, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,17 +12,25 @@ import numpy as np
 
 from kreisel.cli.batch import derived, expanded, over_files
 from kreisel.cli.filters import add_filter_arguments, chosen_filter, tuning_help
-from kreisel.cli.inputs import add_input_arguments, check_units, read_content, world
+from kreisel.cli.inputs import (
+    add_input_arguments,
+    check_units_of,
+    read_content,
+    read_content_blocks,
+    world,
+)
 from kreisel.cli.outputs import check_format, summary_stream
-from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
+from kreisel.cli.reports import add_report_arguments, described_by, print_json, tell_plan
 from kreisel.cli.values import UsageError, one_of
 from kreisel.data.attitude import AttitudeHistory
-from kreisel.data.facts import clock_of
+from kreisel.data.facts import Units
 from kreisel.data.frames import from_enu_flu, to_enu_flu
 from kreisel.data.increments import ImuIncrements
+from kreisel.data.median import RunningMedian
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trial import Trial
-from kreisel.files.doors import format_names, write
+from kreisel.files.blocks import write_blocks
+from kreisel.files.doors import format_names
 
 HELP = "attitude from IMU data, by one of the filters"
 
@@ -81,17 +90,18 @@ def run(args: Namespace) -> int:
         return _plan(args, outputs)
 
     def one(path: str) -> dict[str, Any]:
-        content = read_content(args, path)
-        recording = _recording(path, content, args)
-        attitude = estimated(recording)
-        output = outputs[path]
+        found, output = _Found(), outputs[path]
+        attitudes = found.of(estimated(_recordings(args, path, found)))
+        if args.picture is not None:
+            attitudes = iter([_drawn(attitudes, args.picture)])
         if output is not None:
             if output != Path(args.output):
                 output.parent.mkdir(parents=True, exist_ok=True)
-            write(output, from_enu_flu(attitude, args.to_frame or args.frame), args.to)
-        if args.picture is not None:
-            _draw(attitude, args.picture)
-        return _summary(path, output, recording, attitude, is_trial=isinstance(content, Trial))
+            to_frame = args.to_frame or args.frame
+            write_blocks(output, (from_enu_flu(block, to_frame) for block in attitudes), args.to)
+        else:
+            deque(attitudes, maxlen=0)
+        return found.summary(path, output)
 
     batch = over_files(paths, one, "smoothing" if args.smooth else "estimating")
     if args.json:
@@ -105,7 +115,9 @@ def run(args: Namespace) -> int:
 
 def _plan(args: Namespace, outputs: Mapping[str, Path | None]) -> int:
     def checked(path: str) -> tuple[str, str]:
-        return path, described(_recording(path, read_content(args, path), args))
+        found = _Found()
+        deque(_recordings(args, path, found), maxlen=0)
+        return path, found.described
 
     batch = over_files(list(outputs), checked, "reading")
     writes = [outputs[path] for path, _ in batch.done]
@@ -113,12 +125,12 @@ def _plan(args: Namespace, outputs: Mapping[str, Path | None]) -> int:
     return batch.code
 
 
-def _estimator(args: Namespace) -> Callable[[ImuRecording], AttitudeHistory]:
-    """What makes an attitude of a recording: the filter asked for, smoothed where that was asked for too."""
+def _estimator(args: Namespace) -> Callable[[Iterable[ImuRecording]], Iterator[AttitudeHistory]]:
+    """What makes attitude of a recording: the filter asked for, smoothed where that was asked for too."""
     from functools import partial
 
     from kreisel.estimate.filters import SmoothingFilter
-    from kreisel.estimate.run import run
+    from kreisel.estimate.long import run_long
     from kreisel.estimate.smooth import smooth
 
     filter = chosen_filter(args)
@@ -126,13 +138,16 @@ def _estimator(args: Namespace) -> Callable[[ImuRecording], AttitudeHistory]:
         raise UsageError(
             f"--smooth needs a filter that keeps a covariance: --filter mekf; got {args.filter}."
         )
-    return partial(smooth if args.smooth else run, filter)
+    return partial(map, partial(smooth, filter)) if args.smooth else partial(run_long, filter)
 
 
-def _draw(attitude: AttitudeHistory, picture: str) -> None:
+def _drawn(attitudes: Iterable[AttitudeHistory], picture: str) -> AttitudeHistory:
+    """The attitude, in one block, when its picture is there."""
     from kreisel import show
 
+    (attitude,) = attitudes
     show.save(show.plot_attitude(attitude), picture)
+    return attitude
 
 
 def _outputs(args: Namespace, paths: Sequence[str]) -> list[Path | None]:
@@ -146,34 +161,73 @@ def _outputs(args: Namespace, paths: Sequence[str]) -> list[Path | None]:
     return list(outputs)
 
 
-def _recording(path: str, content: Any, args: Namespace) -> ImuRecording:
-    """The IMU's part in our axes; units that cannot be are refused unless they are trusted."""
-    data = content.recording if isinstance(content, Trial) else content
-    if not isinstance(data, ImuRecording):
-        cure = " to take their mean rates" if isinstance(data, ImuIncrements) else " if it has both"
-        raise ValueError(f"{path} holds {type(data).__name__}, not an IMU recording. Say --kind imu{cure}.")
-    recording = to_enu_flu(data, args.frame)
-    check_units(recording, path, args.trust_units)
-    return recording
+def _recordings(args: Namespace, path: str, found: _Found) -> Iterator[ImuRecording]:
+    """The blocks of the IMU's part in our axes; units that cannot be are refused unless they are trusted."""
+    # To look back from the end, and to be drawn, a recording has to be there as a whole.
+    whole = args.smooth or args.picture is not None
+    units = Units()
+    waiting: ImuRecording | None = None
+    for content in [read_content(args, path)] if whole else read_content_blocks(args, path):
+        data = content.recording if isinstance(content, Trial) else content
+        if not isinstance(data, ImuRecording):
+            cure = " to take their mean rates" if isinstance(data, ImuIncrements) else " if it has both"
+            raise ValueError(
+                f"{path} holds {type(data).__name__}, not an IMU recording. Say --kind imu{cure}."
+            )
+        if waiting is not None:
+            yield waiting
+        waiting = to_enu_flu(data, args.frame)
+        units.add(waiting)
+        found.take(waiting, is_trial=isinstance(content, Trial))
+    assert waiting is not None  # no file is read that has no rows
+    check_units_of(units, path, args.trust_units)
+    yield waiting
 
 
-def _summary(
-    path: str, output: Path | None, recording: ImuRecording, attitude: AttitudeHistory, is_trial: bool
-) -> dict[str, Any]:
-    clock = clock_of(attitude.t, attitude.t0_ns)
-    shares = {name: getattr(attitude, name) for name in ("rest", "disturbed", "held")}
-    bias = attitude.gyro_bias
-    return {
-        "file": path,
-        "output": None if output is None else str(output),
-        "samples": clock.rows,
-        "span_s": clock.span,
-        "rate_hz": clock.rate_hz if clock.rows > 1 else None,
-        "magnetometer": recording.mag_uT is not None,
-        **{f"{name}_share": None if flag is None else float(np.mean(flag)) for name, flag in shares.items()},
-        "gyro_bias_deg_s": None if bias is None else np.degrees(bias[-1]).tolist(),
-        "has_reference": is_trial,
-    }
+class _Found:
+    """What the summary tells of a recording, gathered from its blocks."""
+
+    def __init__(self) -> None:
+        self._samples, self._first, self._last = 0, 0.0, np.empty(0)
+        self._steps = RunningMedian()
+        self._magnetometer = self._is_trial = False
+        self._flags = dict.fromkeys(("rest", "disturbed", "held"), 0)
+        self._bias: list[float] | None = None
+
+    def take(self, block: ImuRecording, is_trial: bool) -> None:
+        """Take in what was read."""
+        self._first = self._first if self._samples else float(block.t[0])
+        self._samples += len(block)
+        self._steps.add(np.diff(block.t, prepend=self._last))
+        self._last = block.t[-1:]
+        self._magnetometer, self._is_trial = block.mag_uT is not None, is_trial
+
+    def of(self, attitudes: Iterable[AttitudeHistory]) -> Iterator[AttitudeHistory]:
+        """The same blocks, of which is taken in what was estimated."""
+        for block in attitudes:
+            for name in self._flags:
+                self._flags[name] += int(np.count_nonzero(getattr(block, name)))
+            self._bias = None if block.gyro_bias is None else np.degrees(block.gyro_bias[-1]).tolist()
+            yield block
+
+    @property
+    def described(self) -> str:
+        """What was read, in a few words."""
+        return described_by(ImuRecording.__name__, self._samples, float(self._last[0] - self._first))
+
+    def summary(self, path: str, output: Path | None) -> dict[str, Any]:
+        """Everything, for people and programs."""
+        return {
+            "file": path,
+            "output": None if output is None else str(output),
+            "samples": self._samples,
+            "span_s": float(self._last[0] - self._first),
+            "rate_hz": 1.0 / self._steps.value() if self._samples > 1 else None,
+            "magnetometer": self._magnetometer,
+            **{f"{name}_share": count / self._samples for name, count in self._flags.items()},
+            "gyro_bias_deg_s": self._bias,
+            "has_reference": self._is_trial,
+        }
 
 
 def _described(args: Namespace) -> dict[str, Any]:

@@ -13,7 +13,10 @@ import numpy as np
 
 from kreisel.cli.courses import add_course_arguments, read_course
 from kreisel.cli.inputs import add_input_arguments, rate, world
+from kreisel.cli.long_simulation import Sampled, in_blocks, write_long
 from kreisel.cli.outputs import (
+    Output,
+    Simulated,
     Simulation,
     aligned,
     check_imu_names,
@@ -150,7 +153,7 @@ def _add_output_arguments(parser: ArgumentParser) -> None:
 
 def run(args: Namespace) -> int:
     """Read, differentiate, mount, write."""
-    from kreisel.study.sensor import add_up_all, errs, record_all
+    from kreisel.study.sensor import errs
 
     started = time.perf_counter()
     _check_increments(args)
@@ -165,13 +168,53 @@ def run(args: Namespace) -> int:
         made(replace(recipe, sensor=named), mount, environment)
         for mount, named in zip(mounts, sensors, strict=True)
     ]
-    names = [mount.name for mount in mounts]
+    outputs = _outputs(args, imus)
+    with Progress(None, "differentiating"):
+        course = read_course(args)
+        goes_in_blocks = in_blocks(args, course, imus)
+        motion = None if goes_in_blocks else course.motion
+    if goes_in_blocks:
+        outputs = [output for output in outputs if not output.name.endswith(".png")]
+    if args.dry_run:
+        reads = {args.input: f"{course.told} -> {len(course)} IMU samples"}
+        return tell_plan(args, reads, written(args.output, outputs))
+    simulation = None if motion is None else _simulated(args, imus, motion)
+    if simulation is None:
+        sampled = write_long(args, course, imus, [imu for imu in imus if errs(imu)])
+        lines = [f"{args.output / output.name}  {output.what}" for output in outputs]
+    else:
+        sampled = Sampled.of(simulation.motion)
+        lines = write_outputs(args.output, outputs, simulation)
+    if args.json:
+        print_json(_report(args, sampled, mounts, sensors, written(args.output, outputs)))
+        return 0
+    told = ", ".join(dict.fromkeys(named or sensor_called(recipe) for named in sensors))
+    told += f", seed {args.seed}" if any(map(errs, imus)) else ""
+    what = f"{sampled.samples - 1} IMU increments" if args.increments else f"{sampled.samples} IMU samples"
+    print(f"{args.input}: {course.told} -> {what}, {told}")
+    print("".join(f"{line}\n" for line in describe_sensor(recipe)), end="")
+    if args.place is not None:
+        print(f"  {_described(environment)}")
+    print("\n".join(f"  {line}" for line in describe_notes(sampled.notes)))
+    print(f"written in {time.perf_counter() - started:.1f} s:")
+    print(aligned(lines))
+    if args.check and simulation is not None:
+        print("integrated back from the first pose, the largest errors are:")
+        print(aligned(_round_trips(imus, simulation.motion, simulation)))
+    return 0
+
+
+def _outputs(args: Namespace, imus: Sequence[Imu]) -> list[Output[Simulated]]:
+    """The files to write, none of which replaces another."""
+    from kreisel.study.sensor import errs
+
+    names = [imu.mount.name for imu in imus]
     with as_typed():
         check_imu_names(names)
     outputs = simulation_outputs(
         names,
         erring=[imu.mount.name for imu in imus if errs(imu)],
-        magnetometer=environment.field_N_uT is not None,
+        magnetometer=imus[0].environment.field_N_uT is not None,
         increments=args.increments,
         world=args.to_frame,
         imu_format=args.imu_format,
@@ -181,37 +224,22 @@ def run(args: Namespace) -> int:
     )
     with as_typed():
         check_outputs(args.output, outputs)
-    with Progress(None, "differentiating"):
-        motion, held = read_course(args)
-    if args.dry_run:
-        reads = {args.input: f"{held} -> {len(motion)} IMU samples"}
-        return tell_plan(args, reads, written(args.output, outputs))
+    return outputs
+
+
+def _simulated(args: Namespace, imus: Sequence[Imu], motion: Motion) -> Simulation:
+    """What every IMU reads, or adds up."""
+    from kreisel.study.sensor import add_up_all, record_all
+
     read = add_up_all if args.increments else record_all
     with Progress(len(imus), "IMUs") as progress:
-        simulation = Simulation(motion, mounts, *read(imus, motion, args.seed, progress.advance))
-    lines = write_outputs(args.output, outputs, simulation)
-    if args.json:
-        print_json(_report(args, motion, mounts, sensors, written(args.output, outputs)))
-        return 0
-    told = ", ".join(dict.fromkeys(named or sensor_called(recipe) for named in sensors))
-    told += f", seed {args.seed}" if simulation.recorded else ""
-    what = "increments" if args.increments else "samples"
-    print(f"{args.input}: {held} -> {len(simulation.recordings[0])} IMU {what}, {told}")
-    print("".join(f"{line}\n" for line in describe_sensor(recipe)), end="")
-    if args.place is not None:
-        print(f"  {_described(environment)}")
-    print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
-    print(f"written in {time.perf_counter() - started:.1f} s:")
-    print(aligned(lines))
-    if args.check:
-        print("integrated back from the first pose, the largest errors are:")
-        print(aligned(_round_trips(imus, motion, simulation)))
-    return 0
+        made = read(imus, motion, args.seed, progress.advance)
+    return Simulation(motion, [imu.mount for imu in imus], *made)
 
 
 def _report(
     args: Namespace,
-    motion: Motion,
+    sampled: Sampled,
     mounts: Sequence[Mount],
     sensors: Sequence[str | None],
     files: Sequence[Path],
@@ -220,16 +248,16 @@ def _report(
     return {
         "schema": SCHEMA,
         "file": args.input,
-        "samples": len(motion),
-        "start_s": float(motion.t[0]),
-        "end_s": float(motion.t[-1]),
-        "t0_ns": motion.t0_ns,
+        "samples": sampled.samples,
+        "start_s": sampled.start,
+        "end_s": sampled.end,
+        "t0_ns": sampled.t0_ns,
         "seed": args.seed,
         "imus": [
             {"name": mount.name, "sensor": sensor, "p_BS_m": mount.p_BS.tolist(), "R_BS": mount.R_BS.tolist()}
             for mount, sensor in zip(mounts, sensors, strict=True)
         ],
-        "notes": [note.text for note in motion.notes],
+        "notes": [note.text for note in sampled.notes],
         "files": [str(path) for path in files],
     }
 

@@ -5,10 +5,10 @@ The name a user types is the file name with dashes: ``euroc_imu.py`` is ``euroc-
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO, Protocol
+from typing import BinaryIO, Protocol, runtime_checkable
 
 from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.increments import ImuIncrements
@@ -57,9 +57,10 @@ class Format(Protocol):
     OPTIONS: frozenset[str]  # the ReadOptions it understands, beside kind
     KEEPS: str  # for the table of formats: what survives the round trip
 
-    # Two that most formats do without:
+    # Some that most formats do without:
     # FOLDER: bool = True    where its files are folders: `out` of `write` is the path of one to make
     # listing(path)          where OPTIONS has "topics": every Topic of the file
+    # blocks, write_blocks   those of ReadsBlocks and WritesBlocks
 
     def sniff(self, head: bytes) -> bool:
         """Whether the first bytes of a file look like this format and no other."""
@@ -71,4 +72,22 @@ class Format(Protocol):
 
     def write(self, data: Noun, out: BinaryIO) -> None:
         """The bytes of `data`; ValueError where this format cannot hold it."""
+        ...
+
+
+@runtime_checkable
+class ReadsBlocks(Protocol):
+    """A format whose files need not fit into memory to be read; others are read whole."""
+
+    def blocks(self, path: Path, options: ReadOptions) -> Iterator[Content]:
+        """What `read` gives, a block of rows at a time, with the same complaints; t0_ns is that of the first."""
+        ...
+
+
+@runtime_checkable
+class WritesBlocks(Protocol):
+    """A format whose files need not fit into memory to be written; what others write is collected first."""
+
+    def write_blocks(self, blocks: Iterable[Noun], out: BinaryIO) -> None:
+        """The bytes that `write` makes of all blocks together."""
         ...

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import BinaryIO
 
@@ -19,8 +20,10 @@ from kreisel.data.trajectory import Poses
 from kreisel.files.arrays import chosen_kind
 from kreisel.files.columns import GROUPS, Column, bind
 from kreisel.files.formats import Noun, ReadOptions
+from kreisel.files.signs import Signs
 from kreisel.files.stamps import seconds_text, to_nanoseconds
 from kreisel.files.text import (
+    Before,
     TextFile,
     checked_clock,
     checked_finite,
@@ -32,6 +35,7 @@ from kreisel.files.text import (
     split_row,
     write_rows,
 )
+from kreisel.files.text_blocks import text_blocks
 from kreisel.files.units import UNITS
 from kreisel.maths.rotations import (
     matrix_from_euler,
@@ -75,41 +79,87 @@ def sniff(head: bytes) -> bool:
 
 def read(path: Path, options: ReadOptions) -> Noun:
     """The noun whose columns the table has; `options.kind` decides where it has several."""
-    file = read_text(path)
+    file, table = _opened(read_text(path), options)
+    return table.noun(file)[0]
+
+
+def blocks(path: Path, options: ReadOptions) -> Iterator[Noun]:
+    """The same, block by block."""
+    table, end, rows = None, None, 0
+    for file in text_blocks(path):
+        if table is None:
+            file, table = _opened(file, options)
+            if table.kind == "increments":  # their stamps are one more than their rows
+                yield read(path, options)
+                return
+        noun, end = table.noun(file, end, rows)
+        rows += len(noun)
+        yield noun
+
+
+@dataclass(frozen=True, slots=True)
+class _Table:
+    """What the header of a table says of all its rows."""
+
+    delimiter: str | None
+    headers: list[str]
+    found: dict[str, Column]
+    kind: str
+    groups: list[str]
+    rate_hz: float | None
+
+    def noun(self, file: TextFile, before: Before | None = None, rows: int = 0) -> tuple[Noun, Before | None]:
+        """What the rows of `file` hold, and its end; it follows so many `rows`, the last of them `before`."""
+        use = [self.found[name] for g in self.groups for name in GROUPS[g][0]]
+        stamp = self.found.get("t")
+        columns = [column.index for column in use]
+        stamps, values = load(file, self.delimiter, self.headers, stamp.index if stamp else None, columns)
+        end = before
+        if stamps is None or stamp is None:
+            t = _even_times(file.path, rows, len(values), self.rate_hz)
+        else:
+            digits = _digits(file, stamp, stamps[0] if before is None else before.stamp)
+            t, end = checked_clock(file, stamps, digits, stamp.header, before)
+        known = np.where(np.isnan(values) & _may_lack(self.kind, self.groups, values), 0.0, values)
+        checked_finite(file, known, [column.header for column in use])
+        named = _scaled(values, self.groups, self.found)
+        return _noun(self.kind, file, t, 0 if end is None else end.t0_ns, named), end
+
+
+def _opened(file: TextFile, options: ReadOptions) -> tuple[TextFile, _Table]:
+    """(file without its header row, what the header says)."""
     delimiter = _delimiter(file.rows)
     file, headers = _headers(file, delimiter)
-    found = bind(str(path), headers, options.columns)
-    kind = _kind(path, found, headers, options.kind)
+    found = bind(str(file.path), headers, options.columns)
+    kind = _kind(file.path, found, headers, options.kind)
     groups = [g for g in _GROUPS_OF[kind] if GROUPS[g][0][0] in found]
     if "q" in groups and "phi" in groups:
         groups.remove("phi")
-    use = [found[name] for g in groups for name in GROUPS[g][0]]
-    stamp = found.get("t")
-    stamps, values = load(
-        file, delimiter, headers, stamp.index if stamp else None, [column.index for column in use]
-    )
-    if stamps is None or stamp is None:
-        t, t0_ns = _even_times(path, len(values), options.rate_hz), 0
-    else:
-        t, t0_ns = checked_clock(file, stamps, _digits(file, stamp, stamps[0]), stamp.header)
-    known = np.where(np.isnan(values) & _may_lack(kind, groups, values), 0.0, values)
-    checked_finite(file, known, [column.header for column in use])
-    columns = _scaled(values, groups, found)
-    return _noun(kind, file, t, t0_ns, columns)
+    return file, _Table(delimiter, headers, found, kind, groups, options.rate_hz)
 
 
 def write(data: Noun, out: BinaryIO) -> None:
     """Columns with their unit in brackets; epoch stamps as integer nanoseconds, others in seconds."""
-    groups = _contents(data)
-    names = [_with_unit(name, GROUPS[g][2]) for g in groups for name in GROUPS[g][0]]
-    if data.t0_ns:
-        names.insert(0, "t [ns]")
-        stamps = list(map(str, to_nanoseconds(data.t, data.t0_ns).tolist()))
-    else:
-        names.insert(0, "t [s]")
-        stamps = seconds_text(data.t, 0)
-    columns = [column for array in groups.values() for column in array.reshape(len(array), -1).T]
-    write_rows(out, ",".join(names), [stamps, *map(_printable, columns)], ",")
+    write_blocks([data], out)
+
+
+def write_blocks(blocks: Iterable[Noun], out: BinaryIO) -> None:
+    """The same of what comes block by block; ValueError where one has other columns than the first."""
+    signs, above = Signs(), ""
+    for block in blocks:
+        groups = _contents(block)
+        if "q" in groups:
+            groups["q"] = signs.continued(np.asarray(groups["q"], dtype=np.float64))
+        stamps = to_nanoseconds(block.t, block.t0_ns).tolist() if block.t0_ns else None
+        names = ["t [s]" if stamps is None else "t [ns]"]
+        names += [_with_unit(name, GROUPS[g][2]) for g in groups for name in GROUPS[g][0]]
+        header = ",".join(names)
+        if above not in ("", header):
+            raise ValueError(f"blocks must have the same columns; got {header} after {above}.")
+        columns = [column for array in groups.values() for column in array.reshape(len(array), -1).T]
+        times = seconds_text(block.t, 0) if stamps is None else list(map(str, stamps))
+        write_rows(out, "" if above else header, [times, *map(_printable, columns)], ",")
+        above = header
 
 
 def _printable(column: Array | Mask) -> Array | list[str]:
@@ -177,7 +227,7 @@ def _headers(file: TextFile, delimiter: str | None) -> tuple[TextFile, list[str]
         line = file.lines.index(file.rows[0])
         # A blank in its place keeps the line numbers of complaints right.
         lines = [*file.lines[:line], "", *file.lines[line + 1 :]]
-        return TextFile(file.path, lines, file.rows[1:], file.comments), first
+        return replace(file, lines=lines, rows=file.rows[1:]), first
     above = _fields(file.comments[-1], delimiter) if file.comments else []
     if len(above) == len(first) and len(above) > 1:
         return file, above
@@ -204,12 +254,12 @@ def _kind(path: Path, found: Mapping[str, Column], headers: list[str], asked: st
     )
 
 
-def _even_times(path: Path, n: int, rate_hz: float | None) -> Array:
+def _even_times(path: Path, rows: int, n: int, rate_hz: float | None) -> Array:
     if rate_hz is None:
         raise ValueError(
             f"{path} has no time column. Name it with --column t='HEADER [UNIT]', or give rate_hz."
         )
-    return np.arange(n) / rate_hz
+    return np.arange(rows, rows + n) / rate_hz
 
 
 def _digits(file: TextFile, column: Column, first: bytes) -> int:

@@ -55,12 +55,12 @@ def read(path: Path, options: ReadOptions) -> Poses:
         raise file.error(0, f"EuRoC poses have {WIDTHS} columns between commas; this line has {width}.")
     names = [name for group in NAMES for name in group][:width] + ["bias"] * max(0, width - 11)
     # The biases stand beyond column 11: an estimate of another kind, for which Poses has no place.
-    t, t0_ns, values = load_timed(file, ",", names, range(1, min(width, 11)), digits=0)
+    t, end, values = load_timed(file, ",", names, range(1, min(width, 11)), digits=0)
     R_NB = None
     if width > 4:
         R_NB = matrix_from_quat_wxyz(checked_quaternions(file, values[:, 3:7], "q_RS_w ... q_RS_z"))
     v_NB = np.ascontiguousarray(values[:, 7:10]) if width > 8 else None
-    return Poses(t, np.ascontiguousarray(values[:, :3]), R_NB, v_NB, t0_ns, path.stem)
+    return Poses(t, np.ascontiguousarray(values[:, :3]), R_NB, v_NB, end.t0_ns, path.stem)
 
 
 def write(data: Noun, out: BinaryIO) -> None:

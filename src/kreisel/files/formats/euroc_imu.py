@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
@@ -11,12 +12,15 @@ from kreisel.data.recording import ImuRecording
 from kreisel.files.formats import Noun, ReadOptions
 from kreisel.files.stamps import to_nanoseconds
 from kreisel.files.text import (
+    Before,
+    TextFile,
     first_rows,
     load_timed,
     read_text,
     starts_with_nanoseconds,
     write_rows,
 )
+from kreisel.files.text_blocks import text_blocks
 
 SUFFIX = None
 HOLDS = (ImuRecording,)
@@ -38,10 +42,21 @@ def sniff(head: bytes) -> bool:
 
 def read(path: Path, options: ReadOptions) -> ImuRecording:
     """Rates and specific forces in the sensor's axes; a row with nan is a missing sample."""
-    file = read_text(path)
-    t, t0_ns, values = load_timed(file, ",", NAMES, range(1, 7), digits=0, nan_ok=True)
+    return _recording(read_text(path))[0]
+
+
+def blocks(path: Path, options: ReadOptions) -> Iterator[ImuRecording]:
+    """The same, block by block."""
+    end = None
+    for file in text_blocks(path):
+        block, end = _recording(file, end)
+        yield block
+
+
+def _recording(file: TextFile, before: Before | None = None) -> tuple[ImuRecording, Before]:
+    t, end, values = load_timed(file, ",", NAMES, range(1, 7), digits=0, nan_ok=True, before=before)
     gyro, accel = np.ascontiguousarray(values[:, :3]), np.ascontiguousarray(values[:, 3:])
-    return ImuRecording(t, gyro, accel, t0_ns=t0_ns, name=path.stem)
+    return ImuRecording(t, gyro, accel, t0_ns=end.t0_ns, name=file.path.stem), end
 
 
 def write(data: Noun, out: BinaryIO) -> None:

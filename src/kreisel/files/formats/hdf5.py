@@ -5,11 +5,15 @@ Files of others are read by the names of their arrays at the top level, as NPZ f
 
 from __future__ import annotations
 
+import contextlib
+import shutil
+from collections.abc import Iterable, Iterator
 from io import BytesIO
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
+import numpy.typing as npt
 
 from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.increments import ImuIncrements
@@ -17,9 +21,11 @@ from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.tables import QUANTITIES
 from kreisel.data.trajectory import Poses
-from kreisel.files.arrays import from_arrays, refuse_inflated, to_arrays
+from kreisel.files.arrays import SCHEMA, from_arrays, refuse_inflated, to_arrays
 from kreisel.files.extras import library
 from kreisel.files.formats import Noun, ReadOptions
+from kreisel.files.members import Member, blocks_of
+from kreisel.files.spool import Column, columns_of, temporary_file
 
 SUFFIX = ".h5"
 HOLDS = (Poses, Motion, ImuRecording, ImuIncrements, AttitudeHistory, Reference)
@@ -47,16 +53,53 @@ def load(path: Path, kind: str) -> tuple[dict[str, Any], dict[str, Any]]:
     kind : what the file calls itself, for complaints.
     """
     h5py = library("h5py", "data", f"{path} is {'an' if kind == 'HDF5' else 'a'} {kind} file, which")
-    try:
-        with h5py.File(path, "r") as file:
-            # Texts of any length lie in a heap of their own, of which damage can send the library in circles.
-            items = {name: item for name, item in file.items() if getattr(item, "dtype", _TEXT).kind != "O"}
-            texts = [name for name in file.attrs if file.attrs.get_id(name).dtype.kind != "O"]
-            refuse_inflated(path, sum(item.nbytes for item in items.values()))
-            return {name: _value(item[()]) for name, item in items.items()}, {
-                name: _value(file.attrs[name]) for name in texts
-            }
+    with _explained(path, kind), h5py.File(path, "r") as file:
+        items, attributes = _contents(path, file)
+        return {name: _value(item[()]) for name, item in items.items()}, attributes
+
+
+def _contents(path: Path, file: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    """(datasets, attributes) at the top level of an open file."""
+    # Texts of any length lie in a heap of their own, of which damage can send the library in circles.
+    items = {name: item for name, item in file.items() if getattr(item, "dtype", _TEXT).kind != "O"}
+    texts = [name for name in file.attrs if file.attrs.get_id(name).dtype.kind != "O"]
+    refuse_inflated(path, sum(item.nbytes for item in items.values()))
+    return items, {name: _value(file.attrs[name]) for name in texts}
+
+
+def blocks(path: Path, options: ReadOptions) -> Iterator[Noun]:
+    """The same as `read`, block by block."""
+    return blocks_in(path, "HDF5", options)
+
+
+def blocks_in(path: Path, kind: str, options: ReadOptions) -> Iterator[Noun]:
+    """What `load` reads as the blocks of a noun; where the file has a schema its attributes are members too."""
+    h5py = library("h5py", "data", f"{path} is {'an' if kind == 'HDF5' else 'a'} {kind} file, which")
+    with contextlib.ExitStack() as stack:
+        with _explained(path, kind):
+            items, attributes = _contents(path, stack.enter_context(h5py.File(path, "r")))
+        members: dict[str, Member] = {name: _Item(item, path, kind) for name, item in items.items()}
+        if SCHEMA in attributes:
+            members |= {name: np.asarray(value) for name, value in attributes.items()}
+        yield from blocks_of(path, members, options)
+
+
+class _Item:
+    """A dataset whose errors say what is wrong with the file."""
+
+    def __init__(self, item: Any, path: Path, kind: str) -> None:
+        self.shape, self._item, self._file = item.shape, item, (path, kind)
+
+    def __getitem__(self, rows: Any) -> Any:
+        with _explained(*self._file):
+            return _value(self._item[rows])
+
+
+@contextlib.contextmanager
+def _explained(path: Path, kind: str) -> Iterator[None]:
     # HDF5 meets broken bytes with whatever error they lead it into, in several lines.
+    try:
+        yield
     except Exception as error:
         reason = str(error).partition("\n")[0]
         raise ValueError(
@@ -75,10 +118,31 @@ def write(data: Noun, out: BinaryIO) -> None:
     buffer = BytesIO()
     with h5py.File(buffer, "w") as file:
         for name, array in to_arrays(data).items():
-            item = file.create_dataset(
-                name, data=np.bytes_(str(array).encode()) if array.dtype.kind == "U" else array
-            )
-            if name in QUANTITIES:
-                quantity = QUANTITIES[name]
-                item.attrs.update(units=quantity.unit, frame=quantity.frame, long_name=quantity.meaning)
+            _put(file, name, array)
     out.write(buffer.getbuffer())
+
+
+def write_blocks(blocks: Iterable[Noun], out: BinaryIO) -> None:
+    """The same of what comes block by block; columns, and then the file, wait on disk until they are whole."""
+    h5py = library("h5py", "data", "writing HDF5")
+    with columns_of(map(to_arrays, blocks), out) as arrays, temporary_file(out) as buffer:
+        with h5py.File(buffer, "w") as file:
+            for name, array in arrays.items():
+                _put(file, name, array)
+        buffer.seek(0)
+        shutil.copyfileobj(buffer, out, 1 << 22)
+
+
+def _put(file: Any, name: str, array: npt.NDArray[Any] | Column) -> None:
+    if isinstance(array, Column):
+        item, first = file.create_dataset(name, array.shape, array.dtype), 0
+        for piece in array.pieces():
+            item[first : first + len(piece)] = piece
+            first += len(piece)
+    else:
+        item = file.create_dataset(
+            name, data=np.bytes_(str(array).encode()) if array.dtype.kind == "U" else array
+        )
+    if name in QUANTITIES:
+        quantity = QUANTITIES[name]
+        item.attrs.update(units=quantity.unit, frame=quantity.frame, long_name=quantity.meaning)

@@ -72,7 +72,8 @@ def _times(path: Path, n: int, options: ReadOptions) -> tuple[Array, int]:
     assert stamps is not None
     if len(stamps) != n:
         raise ValueError(f"{options.times} has {len(stamps)} stamps for the {n} poses of {path}.")
-    return checked_clock(file, stamps, 9, "time")
+    t, end = checked_clock(file, stamps, 9, "time")
+    return t, end.t0_ns
 
 
 def _nearest_rotations(file: TextFile, R: Array) -> Array:

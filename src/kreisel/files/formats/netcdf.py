@@ -5,6 +5,7 @@ Files of others are read by the names of their variables, as NPZ files are.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, BinaryIO, Literal
@@ -19,7 +20,7 @@ from kreisel.data.trajectory import Poses
 from kreisel.files.arrays import SCHEMA, from_arrays, refuse_inflated, to_arrays
 from kreisel.files.extras import library
 from kreisel.files.formats import Noun, ReadOptions
-from kreisel.files.formats.hdf5 import MAGIC, NETCDF_MARK, load
+from kreisel.files.formats.hdf5 import MAGIC, NETCDF_MARK, blocks_in, load
 
 SUFFIX = ".nc"
 HOLDS = (Poses, Motion, ImuRecording, ImuIncrements, AttitudeHistory, Reference)
@@ -44,6 +45,16 @@ def read(path: Path, options: ReadOptions) -> Noun:
         # In the box of arrays they are arrays; in netCDF, attributes of the whole.
         arrays |= {name: np.asarray(value) for name, value in attributes.items()}
     return from_arrays(path, arrays, options)
+
+
+def blocks(path: Path, options: ReadOptions) -> Iterator[Noun]:
+    """The same, block by block; files of version 3 are read whole."""
+    with path.open("rb") as stream:
+        classic = stream.read(4) in _CLASSIC
+    if classic:
+        yield read(path, options)
+    else:
+        yield from blocks_in(path, "netCDF", options)
 
 
 def _classic(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:

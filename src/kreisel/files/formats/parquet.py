@@ -6,6 +6,7 @@ their columns, as csv files are.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -23,6 +24,7 @@ from kreisel.files.arrays import SCHEMA, from_arrays, to_arrays
 from kreisel.files.columns import GROUPS, bind
 from kreisel.files.extras import library
 from kreisel.files.formats import Noun, ReadOptions
+from kreisel.files.members import ROWS, following
 
 SUFFIX = ".parquet"
 HOLDS = (Poses, Motion, ImuRecording, ImuIncrements, AttitudeHistory, Reference)
@@ -43,18 +45,56 @@ def sniff(head: bytes) -> bool:
 def read(path: Path, options: ReadOptions) -> Noun:
     """The noun named in the file's schema, or what its columns suggest."""
     parquet = library("pyarrow.parquet", "data", f"{path} is a Parquet file, which")
-    try:
+    with _explained(path):
         table = parquet.read_table(path)
-        arrays = {name: table[name].to_numpy() for name in table.column_names}
-        about = {key.decode(): value.decode() for key, value in (table.schema.metadata or {}).items()}
+        columns = {name: table[name].to_numpy() for name in table.column_names}
+        about = _about(table.schema)
+    return from_arrays(path, _box(path, columns, about, options), options)
+
+
+def blocks(path: Path, options: ReadOptions) -> Iterator[Noun]:
+    """The same, block by block; increments and what has no time as a whole."""
+    parquet = library("pyarrow.parquet", "data", f"{path} is a Parquet file, which")
+    with contextlib.ExitStack() as stack:
+        with _explained(path):
+            file = stack.enter_context(parquet.ParquetFile(path))
+            names, about = file.schema_arrow.names, _about(file.schema_arrow)
+        found = dict.fromkeys(names) if SCHEMA in about else bind(str(path), names, options.columns)
+        if "t" in found and "dtheta_x" not in found:
+            tables = _tables(path, file)
+            yield from following(path, (_box(path, table, about, options) for table in tables), options)
+        else:
+            yield read(path, options)
+
+
+def _tables(path: Path, file: Any) -> Iterator[dict[str, Any]]:
+    """Some rows of every column at a time."""
+    batches = file.iter_batches(ROWS)
+    while True:
+        with _explained(path):
+            batch = next(batches, None)
+        if batch is None:
+            return
+        yield {name: column.to_numpy(False) for name, column in zip(batch.schema.names, batch, strict=True)}
+
+
+@contextlib.contextmanager
+def _explained(path: Path) -> Iterator[None]:
+    try:
+        yield
     except Exception as error:
         reason = str(error).partition("\n")[0]
         raise ValueError(
             f"{path} is not a whole Parquet file: it was cut off or damaged ({reason})."
         ) from None
-    return from_arrays(
-        path, _ours(arrays, about) if SCHEMA in about else _theirs(path, arrays, options), options
-    )
+
+
+def _about(schema: Any) -> dict[str, str]:
+    return {key.decode(): value.decode() for key, value in (schema.metadata or {}).items()}
+
+
+def _box(path: Path, columns: dict[str, Any], about: dict[str, str], options: ReadOptions) -> dict[str, Any]:
+    return _ours(columns, about) if SCHEMA in about else _theirs(path, columns, options)
 
 
 def write(data: Noun, out: BinaryIO) -> None:

@@ -6,6 +6,7 @@ comment above says so, and by it such a file is told from poses at the origin.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import BinaryIO
 
@@ -15,14 +16,18 @@ from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.motion import Motion
 from kreisel.data.trajectory import Poses
 from kreisel.files.formats import Noun, ReadOptions
+from kreisel.files.signs import Signs
 from kreisel.files.stamps import seconds_text
 from kreisel.files.text import (
+    Before,
+    TextFile,
     checked_quaternions,
     load_timed,
     read_text,
     starts_with_numbers,
     write_rows,
 )
+from kreisel.files.text_blocks import text_blocks
 from kreisel.maths.rotations import matrix_from_quat_wxyz, quat_wxyz_from_matrix
 
 SUFFIX = ".tum"
@@ -41,23 +46,42 @@ def sniff(head: bytes) -> bool:
 
 def read(path: Path, options: ReadOptions) -> Poses | AttitudeHistory:
     """Positions and attitudes as the file has them: TUM names no frame and no direction of up."""
-    file = read_text(path)
-    t, t0_ns, values = load_timed(file, None, NAMES, range(1, 8), digits=9)
+    return _noun(read_text(path))[0]
+
+
+def blocks(path: Path, options: ReadOptions) -> Iterator[Poses | AttitudeHistory]:
+    """The same, block by block."""
+    end = None
+    for file in text_blocks(path):
+        block, end = _noun(file, end)
+        yield block
+
+
+def _noun(file: TextFile, before: Before | None = None) -> tuple[Poses | AttitudeHistory, Before]:
+    t, end, values = load_timed(file, None, NAMES, range(1, 8), digits=9, before=before)
     q_wxyz = checked_quaternions(file, values[:, [6, 3, 4, 5]], "qx ... qw")
     R = matrix_from_quat_wxyz(q_wxyz)
     if ATTITUDE_ONLY in file.comments:
-        return AttitudeHistory(t, R, t0_ns=t0_ns, name=path.stem)
-    return Poses(t, np.ascontiguousarray(values[:, :3]), R, t0_ns=t0_ns, name=path.stem)
+        return AttitudeHistory(t, R, t0_ns=end.t0_ns, name=file.path.stem), end
+    return Poses(t, np.ascontiguousarray(values[:, :3]), R, t0_ns=end.t0_ns, name=file.path.stem), end
 
 
 def write(data: Noun, out: BinaryIO) -> None:
     """Epoch stamps get nine decimals, times since a start every digit they have."""
-    if isinstance(data, AttitudeHistory):
-        p, R, remark = np.zeros((len(data), 3)), data.R_NS, f"# {ATTITUDE_ONLY}\n"
-    elif isinstance(data, Poses | Motion) and data.R_NB is not None:
-        p, R, remark = data.p_NB, data.R_NB, ""
-    else:
-        raise ValueError("TUM files hold attitude at every stamp; this data does not. Write csv instead.")
-    w, *xyz = quat_wxyz_from_matrix(R).T
-    header = remark + "# " + " ".join(NAMES)
-    write_rows(out, header, [seconds_text(data.t, data.t0_ns), *p.T, *xyz, w], " ")
+    write_blocks([data], out)
+
+
+def write_blocks(blocks: Iterable[Noun], out: BinaryIO) -> None:
+    """The same of what comes block by block."""
+    signs, header = Signs(), "# " + " ".join(NAMES)
+    for block in blocks:
+        if isinstance(block, AttitudeHistory):
+            p, R, remark = np.zeros((len(block), 3)), block.R_NS, f"# {ATTITUDE_ONLY}\n"
+        elif isinstance(block, Poses | Motion) and block.R_NB is not None:
+            p, R, remark = block.p_NB, block.R_NB, ""
+        else:
+            raise ValueError("TUM files hold attitude at every stamp; this data does not. Write csv instead.")
+        w, *xyz = signs.continued(quat_wxyz_from_matrix(R)).T
+        stamps = seconds_text(block.t, block.t0_ns)
+        write_rows(out, header and remark + header, [stamps, *p.T, *xyz, w], " ")
+        header = ""
