@@ -216,10 +216,18 @@ class Imu:
             name=self.mount.name,
         )
 
-    def record(self, motion: Motion, rng: int | np.random.Generator, run: int = 0) -> Recorded:
+    def record(
+        self,
+        motion: Motion,
+        rng: int | np.random.Generator,
+        run: int = 0,
+        *,
+        ideal: ImuRecording | None = None,
+    ) -> Recorded:
         """What this IMU reads at the times of `motion`, with its biases and, when asked for, every error it made.
 
         rng: a seed, or a generator from which one is drawn. run: number of the run in an ensemble of one seed.
+        ideal: what `self.ideal(motion)` made before, for many runs of one motion.
         Every effect draws from a stream of its own, keyed by seed, run, name of the mount, sensor and name
         of the effect: adding, dropping or moving one leaves the numbers of the others alone.
 
@@ -228,7 +236,7 @@ class Imu:
         """
         self._check(motion)
         seed, run = seed_from(rng), whole_number("run", run)
-        ideal = self.ideal(motion)
+        ideal = self.ideal(motion) if ideal is None else ideal
         sensed = {
             sensor: self._sense(sensor, motion, ideal, seed, run)
             for sensor in SENSORS

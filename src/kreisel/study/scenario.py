@@ -12,8 +12,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from kreisel.data.checks import choice, file_name, finite_number
+from kreisel.data.checks import choice, file_name, finite_number, whole_number
 from kreisel.data.trajectory import Trajectory
+from kreisel.study.ensemble.distributions import distributions
 from kreisel.study.values import Vector, calendar_day, plain, unlike, vector
 
 Align = Literal["heading", "frame", "frame+sensor"]
@@ -39,6 +40,7 @@ class FilterRecipe:
     name: str = ""  # in reports and file names; the kind where it is left out
     align: Align | None = None  # what is fitted and removed before errors count, as `attitude_errors` has it
     clock_offset: float | Literal["estimate"] = 0.0  # s, by which the estimate's stamps are ahead
+    start_error_deg: Vector | None = None  # roll, pitch, heading: it begins so far off the truth; None: by itself
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -48,6 +50,8 @@ class FilterRecipe:
             choice("align", self.align, get_args(Align))
         if self.clock_offset != "estimate":
             put(self, "clock_offset", finite_number("clock_offset", self.clock_offset))
+        if self.start_error_deg is not None:
+            put(self, "start_error_deg", vector("start_error_deg", self.start_error_deg))
 
 
 @dataclass(frozen=True)
@@ -132,9 +136,11 @@ class Scenario:
     start: float | None = None  # s; None: where the trajectory begins, 0 if it always was
     name: str = ""
     seed: int = 0
+    run: int = 0  # number of the run among those of one seed
     imus: tuple[ImuRecipe, ...] = (ImuRecipe(),)
     environment: EnvironmentRecipe = EnvironmentRecipe()
     filters: tuple[FilterRecipe, ...] = ()
+    vary: Mapping[str, Any] = field(default_factory=dict)  # path -> what `monte_carlo` draws it from
     folder: Path = field(default=Path(), compare=False)  # where relative paths of files begin
 
     def __post_init__(self) -> None:
@@ -146,6 +152,8 @@ class Scenario:
             put(self, "start", finite_number("start", self.start))
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
             raise ValueError(f"seed must be a whole number, 0 or more; got {self.seed!r}.")
+        put(self, "run", whole_number("run", self.run))
+        put(self, "vary", distributions(self.vary))
         put(self, "imus", unlike("imu", tuple(self.imus)))
         put(self, "filters", unlike("filter", tuple(self.filters)))
         put(self, "folder", Path(self.folder))

@@ -62,9 +62,9 @@ def errs(imu: Imu) -> bool:
 
 
 def record_all(
-    imus: Sequence[Imu], motion: Motion, seed: int
+    imus: Sequence[Imu], motion: Motion, seed: int, run: int = 0
 ) -> tuple[tuple[ImuRecording, ...], tuple[Recorded, ...]]:
     """What each IMU read, and of those that err what is known of it; a perfect one in peace needs no draw."""
-    known = {id(imu): imu.record(motion, seed) for imu in imus if errs(imu)}
+    known = {id(imu): imu.record(motion, seed, run) for imu in imus if errs(imu)}
     readings = tuple(known[id(imu)].measured if id(imu) in known else imu.ideal(motion) for imu in imus)
     return readings, tuple(known.values())

@@ -1,0 +1,91 @@
+"""Turns the scenario of a run into what it is run with, made once for all runs that share it."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field, replace
+from threading import Lock
+from typing import Any, TypeVar
+
+from kreisel.data.motion import Motion
+from kreisel.data.recording import ImuRecording
+from kreisel.simulate.imu import Imu
+from kreisel.study.building import build
+from kreisel.study.scenario import EnvironmentRecipe, Scenario, TrajectoryRecipe
+
+# Of each kind, which covers a value chosen from a few; one that never comes again costs memory for nothing.
+_KEPT = 8
+
+Made = TypeVar("Made")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seen:
+    """An IMU, what it would read without errors, and the motion of its sensor."""
+
+    imu: Imu
+    ideal: ImuRecording
+    truth: Motion
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stage:
+    """What runs of one scenario share, whatever is drawn for the noise."""
+
+    motion: Motion
+    seen: tuple[Seen, ...]  # one per IMU
+    filters: tuple[Any, ...]  # AttitudeFilter
+
+
+@dataclass(eq=False)
+class Stages:
+    """Stages by scenario: motions, ideal readings and filters are made again only where they differ."""
+
+    _kept: OrderedDict[Hashable, Any] = field(default_factory=OrderedDict)
+    _lock: Lock = field(default_factory=Lock)
+
+    def __reduce__(self) -> tuple[type[Stages], tuple[()]]:
+        # What was made once can be made again: it does not travel to other processes.
+        return Stages, ()
+
+    def of(self, scenario: Scenario) -> Stage:
+        """The stage of a scenario; ValueError for a recipe that cannot be made."""
+        path = _path(scenario)
+        trajectory, motion = self._once(("motion", path), lambda: _motion(scenario))
+        rest = repr((scenario.environment, scenario.filters, scenario.imus))
+        parts = self._once(("parts", path, rest), lambda: build(replace(scenario, trajectory=trajectory)))
+        seen = [
+            self._once(
+                ("seen", path, repr((recipe, scenario.environment))),
+                lambda imu=imu: Seen(imu, imu.ideal(motion), motion.at(imu.mount)),  # type: ignore[misc]
+            )
+            for recipe, imu in zip(scenario.imus, parts.imus, strict=True)
+        ]
+        return Stage(motion, tuple(seen), tuple(filter for _, filter in parts.filters))
+
+    def _once(self, key: Hashable, make: Callable[[], Made]) -> Made:
+        with self._lock:
+            if key in self._kept:
+                self._kept.move_to_end(key)
+                found: Made = self._kept[key]
+                return found
+        # Not under the lock: other threads make other things meanwhile.
+        made = make()
+        with self._lock:
+            self._kept[key] = made
+            while len(self._kept) > _KEPT:
+                self._kept.popitem(last=False)
+        return made
+
+
+def _path(scenario: Scenario) -> str:
+    trajectory: Any = scenario.trajectory
+    if not isinstance(trajectory, TrajectoryRecipe):
+        trajectory = id(trajectory)
+    return repr((trajectory, scenario.start, scenario.duration, scenario.rate_hz))
+
+
+def _motion(scenario: Scenario) -> tuple[Any, Motion]:
+    parts = build(replace(scenario, imus=(), filters=(), environment=EnvironmentRecipe()))
+    return parts.trajectory, parts.trajectory.sample(parts.t)
