@@ -34,6 +34,14 @@ def figures(estimate: Estimate) -> dict[str, float]:
     return found
 
 
+def converged(t: Array, total: Array, limit_deg: float = 5.0) -> float:
+    """`convergence_time_s` of total errors (n,) rad at t (n,) s; infinite for never."""
+    above = np.flatnonzero(np.degrees(total) >= limit_deg)
+    if not above.size:
+        return 0.0
+    return float(t[above[-1] + 1] - t[0]) if above[-1] + 1 < len(t) else math.inf
+
+
 def nees(errors: AttitudeErrors, sigma: Array) -> float:
     """Normalised estimation error squared, less the part between axes: see `NEES`; NaN where lengths differ."""
     if len(sigma) != len(errors):

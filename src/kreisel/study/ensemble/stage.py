@@ -8,8 +8,10 @@ from dataclasses import dataclass, field, replace
 from threading import Lock
 from typing import Any, TypeVar
 
+from kreisel.data.checks import Array
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
+from kreisel.evaluate.error_angles import rows_of
 from kreisel.simulate.imu import Imu
 from kreisel.study.building import build
 from kreisel.study.scenario import EnvironmentRecipe, Scenario, TrajectoryRecipe
@@ -27,6 +29,13 @@ class Seen:
     imu: Imu
     ideal: ImuRecording
     truth: Motion
+    rows: Array  # the same attitude, as `error_angles` takes it
+
+    @classmethod
+    def of(cls, imu: Imu, motion: Motion) -> Seen:
+        """What `imu` sees of a motion."""
+        truth = motion.at(imu.mount)
+        return cls(imu, imu.ideal(motion), truth, rows_of(truth.R_NB))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,15 +59,20 @@ class Stages:
         return Stages, ()
 
     def of(self, scenario: Scenario) -> Stage:
-        """The stage of a scenario; ValueError for a recipe that cannot be made."""
+        """The stage of a scenario, the same object for all that share it; ValueError where one cannot be made."""
         path = _path(scenario)
+        # Where a filter begins is asked run by run.
+        filters = [replace(recipe, start_error_deg=None) for recipe in scenario.filters]
+        rest = repr((scenario.environment, filters, scenario.imus))
+        return self._once(("stage", path, rest), lambda: self._made(scenario, path))
+
+    def _made(self, scenario: Scenario, path: str) -> Stage:
         trajectory, motion = self._once(("motion", path), lambda: _motion(scenario))
-        rest = repr((scenario.environment, scenario.filters, scenario.imus))
-        parts = self._once(("parts", path, rest), lambda: build(replace(scenario, trajectory=trajectory)))
+        parts = build(replace(scenario, trajectory=trajectory))
         seen = [
             self._once(
                 ("seen", path, repr((recipe, scenario.environment))),
-                lambda imu=imu: Seen(imu, imu.ideal(motion), motion.at(imu.mount)),  # type: ignore[misc]
+                lambda imu=imu: Seen.of(imu, motion),  # type: ignore[misc]
             )
             for recipe, imu in zip(scenario.imus, parts.imus, strict=True)
         ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,12 +11,16 @@ import numpy.typing as npt
 
 from kreisel.study.ensemble.draws import Draws
 from kreisel.study.ensemble.figures import figures, trace
-from kreisel.study.ensemble.stage import Seen, Stage, Stages
+from kreisel.study.ensemble.stage import Stage, Stages
+from kreisel.study.ensemble.tile import Tile, abreast, estimate, record
 from kreisel.study.run import estimated
-from kreisel.study.scenario import Scenario
-from kreisel.study.sensor import errs
+from kreisel.study.scenario import FilterRecipe, Scenario
 
 Columns = dict[str, npt.NDArray[Any]]
+Group = tuple[Stage, list[Scenario]]
+
+LANES = 16
+"""Most runs that go through a filter abreast."""
 
 INSTANTS = 201
 """Of each run so many errors are kept over time."""
@@ -40,8 +45,8 @@ class Work:
         ESTIMATE counts filters on IMUs, IMU by IMU. Raises ValueError that names the run which cannot be made.
         """
         draws = Draws(self.scenario)
-        rows: list[dict[str, Any]] = [self._run(draws, run) for run in self.block(number)]
-        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+        parts = [self._together(group) for group in self._groups(draws, self.block(number))]
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
     def block(self, number: int) -> range:
         """The runs of a block."""
@@ -54,25 +59,48 @@ class Work:
 
     def stage(self, draws: Draws, run: int) -> Stage:
         """What a run shares with others; ValueError with run, path and value where it cannot be made."""
+        return self._staged(draws, run)[1]
+
+    def _staged(self, draws: Draws, run: int) -> tuple[Scenario, Stage]:
+        scenario = draws.of(run)
         try:
-            return self._stages.of(draws.of(run))
+            return scenario, self._stages.of(scenario)
         except ValueError as error:
             raise ValueError(draws.blamed(run, error)) from None
 
-    def _run(self, draws: Draws, run: int) -> dict[str, Any]:
-        scenario, stage = draws.of(run), self.stage(draws, run)
-        row: dict[str, Any] = {}
-        for imu, seen in enumerate(stage.seen):
-            row |= self._estimates(scenario, stage, seen, imu * len(scenario.filters))
-        return row
+    def _groups(self, draws: Draws, runs: range) -> Iterator[Group]:
+        """Neighbouring runs on one stage, as many as there are lanes at most."""
+        group: list[Scenario] = []
+        on: Stage | None = None
+        for run in runs:
+            scenario, stage = self._staged(draws, run)
+            if on is not None and (stage != on or len(group) == LANES):
+                yield on, group
+                group = []
+            on = stage
+            group.append(scenario)
+        if on is not None:
+            yield on, group
 
-    def _estimates(self, scenario: Scenario, stage: Stage, seen: Seen, first: int) -> dict[str, Any]:
-        recording = seen.ideal
-        if errs(seen.imu):
-            recording = seen.imu.record(stage.motion, scenario.seed, scenario.run, ideal=seen.ideal).measured
-        row: dict[str, Any] = {}
-        for k, (recipe, filter) in enumerate(zip(scenario.filters, stage.filters, strict=True)):
-            estimate = estimated(recipe, filter, recording, seen.truth)
-            found = {**figures(estimate), "trace": trace(estimate.errors, INSTANTS)}
-            row |= {f"{first + k}/{name}": value for name, value in found.items()}
-        return row
+    def _together(self, group: Group) -> Columns:
+        """Figures and traces of a group, abreast where there are as many as lanes."""
+        stage, runs = group
+        found: Columns = {}
+        for imu, seen in enumerate(stage.seen):
+            tile = record(seen, stage.motion, runs)
+            for k, filter in enumerate(stage.filters):
+                recipes = [run.filters[k] for run in runs]
+                together = len(runs) == abreast(recipes[0], filter, seen) > 1
+                columns = (estimate if together else _each)(tile, recipes, filter, INSTANTS)
+                number = imu * len(stage.filters) + k
+                found |= {f"{number}/{name}": values for name, values in columns.items()}
+        return found
+
+
+def _each(tile: Tile, recipes: Sequence[FilterRecipe], filter: Any, most: int) -> Columns:
+    """The same as `estimate`, one run after the other, with any filter and recipe."""
+    rows: list[dict[str, Any]] = []
+    for recipe, recording in zip(recipes, tile.recordings, strict=True):
+        made = estimated(recipe, filter, recording, tile.seen.truth)
+        rows.append({**figures(made), "trace": trace(made.errors, most)})
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
