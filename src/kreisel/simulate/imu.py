@@ -20,7 +20,7 @@ from kreisel.maths.kinematics import specific_force, specific_force_sigma
 from kreisel.maths.random import seed_from, stream
 from kreisel.maths.rotations import log_so3
 from kreisel.maths.turning import State, falls, felt_acceleration, felt_rate, standing_still
-from kreisel.simulate.chain import BLOCK, Sensed, sense
+from kreisel.simulate.chain import BLOCK, Sensed, read, sense
 from kreisel.simulate.clock import Clock, Rows, Sampling, count, spread, steps
 from kreisel.simulate.context import Context
 from kreisel.simulate.effects import Effect
@@ -262,6 +262,31 @@ class Imu:
             run=run,
             replay=partial(self._errors, motion, ideal, seed, run),
         )
+
+    def read(
+        self, motion: Motion, ideal: ImuRecording, draws: Sequence[tuple[int, int]], out: Mapping[str, Array]
+    ) -> None:
+        """What `record` measures in the runs `draws`, (seed, run) each, of one motion: into `out`, and nothing else.
+
+        ideal : what `self.ideal(motion)` made. out : name of each sensor in it -> readings (runs, n, 3).
+        The stamps are those of the motion unless the clock errs. Raises ValueError as `record` does.
+        """
+        self._check(motion)
+        for sensor, readings in out.items():
+            effects, sampling = self._parts(sensor)
+            rows = sampling.rows(motion.t)
+            collected = sampling.collect(motion.t, getattr(ideal, sensor), rows)
+            contexts = list(self._contexts(sensor, motion, ideal, rows))
+            whole = isinstance(rows, slice)
+            for (seed, run), reading in zip(draws, readings, strict=True):
+                found = reading if whole else np.empty_like(collected)
+                stream_of = partial(stream, seed, run, f"{self.mount.name}/{sensor}")
+                read(effects, collected, contexts, stream_of, found)
+                if not whole:
+                    reading[:] = spread(found, rows, len(motion))
+                if self.clock.loss:
+                    lost = self.clock.lost(len(motion), stream(seed, run, self.mount.name, "clock"))
+                    reading[lost] = np.nan
 
     def _disturbance(self, motion: Motion) -> Array | None:
         if not self.environment.disturbances:

@@ -1,22 +1,22 @@
-"""Turns several runs of one motion into figures at once: readings into shared scratch, filter abreast, errors."""
+"""Turns several runs of one motion into figures at once: readings in scratch that stays, filter abreast, errors."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Hashable, Sequence
+from threading import local
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from kreisel.data.checks import Array
 from kreisel.data.motion import Motion
-from kreisel.data.recording import ImuRecording
 from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters import LaneFilter
 from kreisel.estimate.run import readings
 from kreisel.evaluate.error_angles import angles_into, spread_into
 from kreisel.maths.kernels import argument
+from kreisel.simulate.imu import SENSORS
 from kreisel.study.ensemble.figures import FIGURES, KINDS, converged, instants
 from kreisel.study.ensemble.stage import Seen
 from kreisel.study.run import first_attitude
@@ -26,13 +26,30 @@ from kreisel.study.sensor import errs
 # Longest runs that go abreast: sixteen take 2.3 kB a sample.
 LONGEST = 100_000
 
+Readings = dict[str, Array]  # name of the sensor -> (runs, n, 3)
+Made = TypeVar("Made")
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Tile:
-    """Readings of one IMU in several runs of one motion, the runs in front."""
 
-    seen: Seen
-    recordings: Sequence[ImuRecording]
+class Scratch(local):
+    """Memory that lives from tile to tile, of each thread its own: fresh memory costs more than what is done in it."""
+
+    def __init__(self) -> None:
+        self._kept: dict[str, Any] = {}
+
+    def __reduce__(self) -> tuple[type[Scratch], tuple[()]]:
+        # Memory does not travel to other processes.
+        return Scratch, ()
+
+    def keep(self, name: str, like: Hashable, make: Callable[[], Made]) -> Made:
+        """What was made under this name before, where it was made to be `like` this."""
+        if name not in self._kept or self._kept[name][0] != like:
+            self._kept[name] = like, make()
+        found: Made = self._kept[name][1]
+        return found
+
+    def array(self, name: str, *shape: int) -> Array:
+        """An array with anything in it."""
+        return self.keep(name, shape, lambda: np.empty(shape))
 
 
 def abreast(recipe: FilterRecipe, filter: Any, seen: Seen) -> int:
@@ -45,24 +62,27 @@ def abreast(recipe: FilterRecipe, filter: Any, seen: Seen) -> int:
     return filter.lanes if fits and isinstance(filter, LaneFilter) else 1
 
 
-def record(seen: Seen, motion: Motion, runs: Sequence[Scenario]) -> Tile:
-    """What the IMU read in each run."""
-    if not errs(seen.imu):
-        return Tile(seen, [seen.ideal] * len(runs))
-    made = [seen.imu.record(motion, run.seed, run.run, ideal=seen.ideal).measured for run in runs]
-    return Tile(seen, made)
+def record(scratch: Scratch, seen: Seen, motion: Motion, runs: Sequence[Scenario]) -> Readings:
+    """What the IMU read in each run, the runs in front."""
+    names = [name for name in SENSORS if getattr(seen.ideal, name) is not None]
+    out = {name: scratch.array(name, len(runs), len(motion), 3) for name in names}
+    if errs(seen.imu):
+        seen.imu.read(motion, seen.ideal, [(run.seed, run.run) for run in runs], out)
+    else:
+        for name, readings in out.items():
+            readings[:] = getattr(seen.ideal, name)
+    return out
 
 
 def estimate(
-    tile: Tile, recipes: Sequence[FilterRecipe], filter: Any, most: int
+    scratch: Scratch, seen: Seen, recorded: Readings, recipes: Sequence[FilterRecipe], filter: Any, most: int
 ) -> dict[str, npt.NDArray[Any]]:
-    """Figures (runs,) of one filter on a tile of as many runs as it has lanes, and "trace" (runs, 3, most)."""
-    seen, runs = tile.seen, tile.recordings
-    gyro, accel = np.stack([r.gyro for r in runs]), np.stack([r.accel for r in runs])
-    mag = None if seen.ideal.mag_uT is None else np.stack([r.mag_uT for r in runs if r.mag_uT is not None])
-    columns = Columns.room_for(filter, gyro.shape[:2])
+    """Figures (runs,) of one filter on as many runs as it has lanes, and "trace" (runs, 3, most)."""
+    shape = recorded["gyro"].shape[:2]
+    like = (*shape, filter.learns_bias)
+    columns = scratch.keep("answers", like, lambda: Columns.room_for(filter, shape))
     states = np.stack([filter.start(first_attitude(recipe, seen.truth)) for recipe in recipes])
-    sensors = readings(filter, seen.ideal.t, gyro, accel, mag)
+    sensors = readings(filter, seen.ideal.t, *(recorded.get(name) for name in SENSORS))
     filter.batch_of_lanes(states, filter.parameters(), *sensors, columns)
     return errors(seen, columns.R_NS, most)
 

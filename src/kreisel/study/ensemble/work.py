@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.data.recording import ImuRecording
 from kreisel.study.ensemble.draws import Draws
 from kreisel.study.ensemble.figures import figures, trace
-from kreisel.study.ensemble.stage import Stage, Stages
-from kreisel.study.ensemble.tile import Tile, abreast, estimate, record
+from kreisel.study.ensemble.stage import Seen, Stage, Stages
+from kreisel.study.ensemble.tile import Scratch, abreast, estimate, record
 from kreisel.study.run import estimated
 from kreisel.study.scenario import FilterRecipe, Scenario
+from kreisel.study.sensor import errs
 
 Columns = dict[str, npt.NDArray[Any]]
 Group = tuple[Stage, list[Scenario]]
@@ -38,6 +40,7 @@ class Work:
     runs: int
     size: int  # runs in a block
     _stages: Stages = field(default_factory=Stages, compare=False, repr=False)
+    _scratch: Scratch = field(default_factory=Scratch, compare=False, repr=False)
 
     def __call__(self, number: int) -> Columns:
         """Figures (m,) and traces (m, 3, INSTANTS) of the m runs of a block, as "ESTIMATE/FIGURE".
@@ -87,20 +90,37 @@ class Work:
         stage, runs = group
         found: Columns = {}
         for imu, seen in enumerate(stage.seen):
-            tile = record(seen, stage.motion, runs)
-            for k, filter in enumerate(stage.filters):
-                recipes = [run.filters[k] for run in runs]
-                together = len(runs) == abreast(recipes[0], filter, seen) > 1
-                columns = (estimate if together else _each)(tile, recipes, filter, INSTANTS)
+            for k, columns in enumerate(self._of_imu(stage, seen, runs)):
                 number = imu * len(stage.filters) + k
                 found |= {f"{number}/{name}": values for name, values in columns.items()}
         return found
 
+    def _of_imu(self, stage: Stage, seen: Seen, runs: list[Scenario]) -> Iterator[Columns]:
+        """Figures and traces of every filter on one IMU."""
+        recipes = [[run.filters[k] for run in runs] for k in range(len(stage.filters))]
+        pairs = list(zip(recipes, stage.filters, strict=True))
+        together = [len(runs) == abreast(each[0], filter, seen) > 1 for each, filter in pairs]
+        recorded = record(self._scratch, seen, stage.motion, runs) if any(together) else {}
+        alone = [] if all(together) else [_recording(seen, stage, run) for run in runs]
+        for (each, filter), tiled in zip(pairs, together, strict=True):
+            if tiled:
+                yield estimate(self._scratch, seen, recorded, each, filter, INSTANTS)
+            else:
+                yield _each(seen, alone, each, filter, INSTANTS)
 
-def _each(tile: Tile, recipes: Sequence[FilterRecipe], filter: Any, most: int) -> Columns:
+
+def _recording(seen: Seen, stage: Stage, run: Scenario) -> ImuRecording:
+    if not errs(seen.imu):
+        return seen.ideal
+    return seen.imu.record(stage.motion, run.seed, run.run, ideal=seen.ideal).measured
+
+
+def _each(
+    seen: Seen, recordings: Sequence[ImuRecording], recipes: Sequence[FilterRecipe], filter: Any, most: int
+) -> Columns:
     """The same as `estimate`, one run after the other, with any filter and recipe."""
     rows: list[dict[str, Any]] = []
-    for recipe, recording in zip(recipes, tile.recordings, strict=True):
-        made = estimated(recipe, filter, recording, tile.seen.truth)
+    for recipe, recording in zip(recipes, recordings, strict=True):
+        made = estimated(recipe, filter, recording, seen.truth)
         rows.append({**figures(made), "trace": trace(made.errors, most)})
     return {name: np.array([row[name] for row in rows]) for name in rows[0]}
