@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from kreisel.show.attitude import plot_attitude_errors as plot_attitude_errors
     from kreisel.show.attitude import plot_bias as plot_bias
     from kreisel.show.broad import plot_broad as plot_broad
+    from kreisel.show.ensemble import plot_fans as plot_fans
+    from kreisel.show.ensemble import plot_histograms as plot_histograms
+    from kreisel.show.ensemble import plot_tornado as plot_tornado
     from kreisel.show.path import plot_path as plot_path
     from kreisel.show.plots import plot_angular as plot_angular
     from kreisel.show.plots import plot_imu as plot_imu
@@ -31,9 +34,12 @@ _HOMES = {
     "plot_attitude_errors": "kreisel.show.attitude",
     "plot_bias": "kreisel.show.attitude",
     "plot_broad": "kreisel.show.broad",
+    "plot_fans": "kreisel.show.ensemble",
+    "plot_histograms": "kreisel.show.ensemble",
     "plot_imu": "kreisel.show.plots",
     "plot_linear": "kreisel.show.plots",
     "plot_path": "kreisel.show.path",
+    "plot_tornado": "kreisel.show.ensemble",
     "plot_twin": "kreisel.show.twin",
     "save": "kreisel.show.saving",
     "save_rerun": "kreisel.show.viewer",
