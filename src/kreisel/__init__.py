@@ -86,6 +86,9 @@ if TYPE_CHECKING:
     from kreisel.simulate.effects.g_sensitivity import GSensitivity as GSensitivity
     from kreisel.simulate.effects.gauss_markov import GaussMarkov as GaussMarkov
     from kreisel.simulate.effects.hard_soft_iron import HardSoftIron as HardSoftIron
+    from kreisel.simulate.effects.increment_quantisation import (
+        IncrementQuantisation as IncrementQuantisation,
+    )
     from kreisel.simulate.effects.misalignment import Misalignment as Misalignment
     from kreisel.simulate.effects.nonlinearity import Nonlinearity as Nonlinearity
     from kreisel.simulate.effects.quantisation import Quantisation as Quantisation
@@ -160,6 +163,7 @@ _HOMES = {
     "Imu": "kreisel.simulate.imu",
     "ImuIncrements": "kreisel.data.increments",
     "ImuRecording": "kreisel.data.recording",
+    "IncrementQuantisation": "kreisel.simulate.effects.increment_quantisation",
     "integrate": "kreisel.estimate.strapdown",
     "KalibrImu": "kreisel.files.kalibr",
     "line": "kreisel.simulate.trajectories.line",

@@ -12,6 +12,7 @@ import kreisel
 from kreisel.cli.main import main
 
 T = np.arange(5000) / 100.0
+FIELD = kreisel.Environment(field_N_uT=[0.0, 20.0, -40.0])
 
 
 @pytest.fixture
@@ -63,3 +64,26 @@ def test_a_gap_is_one_line_and_exit_code_one(rest, tmp_path, capsys) -> None:
     assert "4891 samples" in capsys.readouterr().out
     assert main(["allan", str(tmp_path / "gap.csv"), "--start", "90"]) == 1
     assert "leave no sample; the recording lasts 49.99 s" in capsys.readouterr().err
+
+
+def test_a_slow_magnetometer_has_its_own_rate_and_unit(tmp_path, capsys) -> None:
+    rng = np.random.default_rng(8)
+    mag = np.full((20000, 3), np.nan)
+    mag[::4] = 0.5 * rng.standard_normal((5000, 3)) + [0.0, 20.0, -40.0]
+    noise = 1e-3 * rng.standard_normal((2, 20000, 3))
+    path = tmp_path / "rest.npz"
+    kreisel.write(path, kreisel.ImuRecording(np.arange(20000) / 100.0, noise[0], noise[1] + 9.8, mag))
+    assert main(["allan", str(path), "--sensor", "mag", "-o", str(tmp_path / "noise")]) == 0
+    text = capsys.readouterr().out
+    assert "5000 samples" in text and "25 Hz" in text
+    row = next(line for line in text.splitlines() if "uT/sqrt(Hz)" in line)
+    # 0.5 uT at 25 Hz.
+    assert float(row.split()[4]) == pytest.approx(0.1, rel=0.05)
+    assert (tmp_path / "noise" / "allan_mag.png").stat().st_size > 10_000
+    effects = kreisel.Imu.from_preset(tmp_path / "noise" / "preset.toml", environment=FIELD).mag_effects
+    assert any(type(effect).__name__ == "WhiteNoise" for effect in effects)
+    assert main(["allan", str(path), "--sensor", "all", "--json", "--quiet"]) == 0
+    assert list(json.loads(capsys.readouterr().out)["sensors"]) == ["gyro", "accel", "mag"]
+    kreisel.write(path, kreisel.ImuRecording(np.arange(99) / 100.0, np.zeros((99, 3)), np.full((99, 3), 9.8)))
+    assert main(["allan", str(path), "--sensor", "mag"]) == 1
+    assert "has no magnetometer" in capsys.readouterr().err

@@ -68,7 +68,7 @@ def test_scores_and_picture_are_written(folder, tmp_path, capsys) -> None:
     ],
 )
 def test_unknown_filters_are_one_line(arguments, message, folder, capsys) -> None:
-    assert main(["bench", "broad", str(folder), *arguments]) == 1
+    assert main(["bench", "broad", str(folder), *arguments]) == 2
     err = capsys.readouterr().err
     assert message in err and err.count("\n") == 1
 

@@ -35,6 +35,7 @@ def test_calibrate_then_apply(turned, tmp_path, capsys) -> None:
     assert "hard iron (5 ±" in text and "dip 63.4 deg" in text
     calibration = read_calibration(out)
     assert calibration.accel is None
+    assert out.with_suffix(".png").stat().st_size > 10_000 and "before and after" in text
     np.testing.assert_allclose(calibration.gyro.bias, BIAS, atol=1e-9)
     assert main(["calibrate", turned, "--apply", str(out), "-o", str(better)]) == 0
     strength = np.linalg.norm(kreisel.read(better).mag_uT, axis=1)
@@ -74,15 +75,15 @@ def test_gravity_of_the_place_is_no_scale(posed, tmp_path, capsys) -> None:
     assert main(["calibrate", posed, "--accel", "-o", str(out)]) == 0
     scale = np.diagonal(read_calibration(out).accel.matrix)
     np.testing.assert_allclose(scale, 9.78 / 9.80665, atol=5e-4)
-    assert main(["calibrate", posed, "--accel", "--gravity", "978", "-o", str(out)]) == 1
-    assert "--gravity must be one number, from 0.1 to 100, m/s^2; got 978" in capsys.readouterr().err
+    assert main(["calibrate", posed, "--accel", "--gravity", "978", "-o", str(out)]) == 2
+    assert "--gravity must be a number of m/s^2 from 0.1 to 100; got '978'" in capsys.readouterr().err
 
 
 def test_options_that_cannot_be_are_errors_and_no_notes(turned, tmp_path, capsys) -> None:
     out = str(tmp_path / "c.toml")
-    assert main(["calibrate", turned, "-o", out, "--field-ut", "-3"]) == 1
-    assert "--field-ut must be one number, from 1 to 1000, uT; got -3" in capsys.readouterr().err
-    assert main(["calibrate", turned, "-o", out, "--apply", "c.toml", "--mag", "--gravity", "9.8"]) == 1
+    assert main(["calibrate", turned, "-o", out, "--field-ut", "-3"]) == 2
+    assert "--field-ut must be a number of microtesla from 1 to 1000; got '-3'" in capsys.readouterr().err
+    assert main(["calibrate", turned, "-o", out, "--apply", "c.toml", "--mag", "--gravity", "9.8"]) == 2
     assert "--mag, --gravity belongs to a calibration" in capsys.readouterr().err
 
 

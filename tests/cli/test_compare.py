@@ -35,8 +35,8 @@ def report(capsys, *arguments: str, code: int = 0) -> dict:
     return json.loads(capsys.readouterr().out)
 
 
-def complaint(capsys, *arguments: str) -> str:
-    assert main(["compare", *arguments]) == 1
+def complaint(capsys, *arguments: str, code: int = 1) -> str:
+    assert main(["compare", *arguments]) == code
     streams = capsys.readouterr()
     assert streams.err.count("\n") == 1 and "Traceback" not in streams.err
     return streams.err
@@ -79,7 +79,7 @@ def test_a_known_mount_leaves_only_what_is_asked_for(made, capsys) -> None:
     assert known["gyro"]["rmse_all_axes"] > 0.5
     every = report(capsys, *made, "--estimate", "all")
     assert len(every["standard_errors"]) == 10 and every["drift"] == pytest.approx(0.0, abs=1e-4)
-    assert "estimate must be one of" in complaint(capsys, *made, "--estimate", "lever")
+    assert "estimate must be one of" in complaint(capsys, *made, "--estimate", "lever", code=2)
 
 
 def test_limits_are_held_or_the_exit_code_says_so(made, capsys) -> None:
@@ -120,5 +120,7 @@ def test_bad_input_is_one_sentence(made, tmp_path, capsys) -> None:
     in_g = kreisel.ImuRecording(recording.t, recording.gyro, recording.accel / 9.80665)
     kreisel.write(tmp_path / "g.csv", in_g)
     assert "looks like g" in complaint(capsys, str(tmp_path / "g.csv"), poses)
-    assert "rate_hz must be a positive number" in complaint(capsys, real, poses, "--pose-rate", "0")
-    assert "method must be one of" in complaint(capsys, real, poses, "--method", "gradient")
+    assert "--pose-rate must be a number of hertz above 0" in complaint(
+        capsys, real, poses, "--pose-rate", "0", code=2
+    )
+    assert "method must be one of" in complaint(capsys, real, poses, "--method", "gradient", code=2)

@@ -11,7 +11,7 @@ import pytest
 
 from kreisel import discovery
 from kreisel.cli.commands import completion
-from kreisel.cli.main import COMMANDS, main
+from kreisel.cli.main import COMMANDS, configure, main
 
 
 def script(shell: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Path:
@@ -57,14 +57,14 @@ def test_bash_offers_the_commands(offered) -> None:
 def test_bash_offers_the_options_of_each_command(offered) -> None:
     for command in ("estimate", "live", "doctor"):
         parser = argparse.ArgumentParser()
-        discovery.load(COMMANDS, command).configure(parser)
+        configure(parser, command)
         options = [name for action in parser._actions for name in action.option_strings]
         assert offered(command, "-") == options
     assert offered("estimate", "imu.csv", "--from") == ["--from"]
 
 
 def test_bash_offers_choices_names_and_files(offered) -> None:
-    assert offered("allan", "--sensor", "") == ["gyro", "accel", "both"]
+    assert offered("allan", "--sensor", "") == ["gyro", "accel", "mag", "both", "all"]
     assert offered("estimate", "--frame", "n") == ["ned-frd", "nwu"]
     assert offered("estimate", "--frame", "=") == ["enu-flu", "ned-frd", "nwu", "ros", "matlab"]
     assert offered("estimate", "--frame", "=", "ro") == ["ros"]
@@ -100,7 +100,7 @@ def test_words_that_commands_check_themselves_stand_in_their_help() -> None:
     seen = set()
     for command in discovery.names(COMMANDS):
         parser = argparse.ArgumentParser()
-        discovery.load(COMMANDS, command).configure(parser)
+        configure(parser, command)
         for action in parser._actions:
             for option in {*action.option_strings} & {*completion._WORDS}:
                 seen.add(option)

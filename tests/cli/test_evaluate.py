@@ -162,16 +162,16 @@ def test_a_missed_limit_is_exit_code_3(limit, code, said, truth, tmp_path, capsy
     ],
 )
 def test_mistakes_are_one_line(arguments, message, truth, tmp_path, capsys) -> None:
-    assert main(["evaluate", truth, estimate(tmp_path, [0.0, 0.0, 2.0]), *arguments]) == 1
+    assert main(["evaluate", truth, estimate(tmp_path, [0.0, 0.0, 2.0]), *arguments]) == (
+        1 if "100" in arguments else 2
+    )
     err = capsys.readouterr().err
     assert message in err and err.count("\n") == 1
 
 
 @pytest.mark.parametrize("offset", ["soon", "nan", "inf"])
 def test_a_clock_offset_is_a_number_or_a_wish(offset, truth, capsys) -> None:
-    with pytest.raises(SystemExit) as stop:
-        main(["evaluate", truth, truth, "--clock-offset", offset])
-    assert stop.value.code == 2
+    assert main(["evaluate", truth, truth, "--clock-offset", offset]) == 2
     assert "takes a number of seconds or the word estimate" in capsys.readouterr().err
 
 

@@ -8,6 +8,7 @@ import pytest
 from kreisel.cli.main import main
 from kreisel.data.noise import NoiseModel
 from kreisel.files.kalibr import read_kalibr
+from kreisel.simulate.datasheet import PARAMETERS
 from kreisel.simulate.presets import names, text_of
 
 
@@ -81,9 +82,9 @@ def test_a_preset_without_random_walks_goes_to_kalibr_with_those_given(tmp_path,
     # 0.014 deg/s/sqrt(Hz), one-sided.
     np.testing.assert_allclose(found.gyro.white_noise, np.deg2rad(0.014) / np.sqrt(2))
     assert (
-        main(["sensors", "bmi088", "--kalibr", str(path), "--gyro-walk", "-1", "--accel-walk", "3e-4"]) == 1
+        main(["sensors", "bmi088", "--kalibr", str(path), "--gyro-walk", "-1", "--accel-walk", "3e-4"]) == 2
     )
-    assert "bias_random_walk must be 0 or more, unit/sqrt(s); got -1" in capsys.readouterr().err
+    assert "--gyro-walk must be a number of rad/s^2/sqrt(Hz), 0 or more; got '-1'" in capsys.readouterr().err
 
 
 def test_both_columns_say_the_same(capsys):
@@ -106,6 +107,31 @@ def test_both_columns_say_the_same(capsys):
     ],
 )
 def test_mistakes_are_one_line(arguments, message, capsys):
-    assert main(["sensors", *arguments]) == 1
+    assert main(["sensors", *arguments]) == (2 if message in ("Did you mean 'bmi088'", "name it") else 1)
     err = capsys.readouterr().err
     assert message in err and err.count("\n") == 1
+
+
+def test_keys_lists_every_number_with_its_unit(capsys):
+    assert main(["sensors", "--keys"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    line = next(line for line in lines if line.startswith("gyro_temperature_bias_deg_per_s_per_K "))
+    assert "deg/s/K" in line and "one sigma" in line
+    assert all(len(line) < 140 for line in lines)
+    assert main(["sensors", "--keys", "--json"]) == 0
+    keys = json.loads(capsys.readouterr().out)["keys"]
+    assert list(keys) == list(PARAMETERS)
+    assert keys["accel_range_g"]["unit"] == "g"
+
+
+def test_presets_may_spell_keys_as_datasheets_do(tmp_path, capsys):
+    path = tmp_path / "mine.toml"
+    path.write_text(
+        'part = "mine"\nmaker = ""\ngrade = "measured"\ndatasheet = "chamber"\n[values]\n'
+        'gyro_temperature_bias_dps_per_degC = { value = 0.02, source = "run 3" }\n'
+    )
+    assert main(["sensors", str(path)]) == 0
+    assert (
+        "gyro_temperature_bias_deg_per_s_per_K = 0.02 deg/s/K: temperature coefficient"
+        in capsys.readouterr().out
+    )

@@ -146,7 +146,7 @@ def test_mounts_are_read(text, name, p_BS):
     ],
 )
 def test_mounts_that_cannot_be_are_refused(text, poses, tmp_path, capsys):
-    assert main(["simulate", str(poses), "-o", str(tmp_path / "out"), f"--imu={text}"]) == 1
+    assert main(["simulate", str(poses), "-o", str(tmp_path / "out"), f"--imu={text}"]) == 2
     assert not (tmp_path / "out").exists()
     err = capsys.readouterr().err
     assert err.startswith("kreisel: ") and ("IMU" in err or "--imu" in err)
@@ -154,13 +154,13 @@ def test_mounts_that_cannot_be_are_refused(text, poses, tmp_path, capsys):
 
 def test_imus_that_would_share_a_file_are_refused(poses, tmp_path, capsys):
     options = ["--imu", "a:0,0,0", "--imu", "A:1,0,0"]
-    assert main(["simulate", str(poses), "-o", str(tmp_path / "out"), *options]) == 1
+    assert main(["simulate", str(poses), "-o", str(tmp_path / "out"), *options]) == 2
     assert not (tmp_path / "out").exists()
     assert "two files would be called 'A.csv'" in capsys.readouterr().err
 
 
 def test_formats_that_hold_no_imu_are_refused_before_anything_is_written(poses, tmp_path, capsys):
-    assert main(["simulate", str(poses), "-o", str(tmp_path / "out"), "--imu-format", "tum"]) == 1
+    assert main(["simulate", str(poses), "-o", str(tmp_path / "out"), "--imu-format", "tum"]) == 2
     assert not (tmp_path / "out").exists()
     error = capsys.readouterr().err
     assert "one of 'csv', 'euroc-imu'," in error and "got 'tum'" in error
@@ -176,9 +176,7 @@ def test_a_write_protected_file_is_left_alone(poses, tmp_path, capsys):
 
 @pytest.mark.parametrize("command", ["simulate x.csv -o", "demo -o", "run x.toml -o", "evaluate a b -o"])
 def test_an_empty_folder_name_is_refused(command, capsys):
-    with pytest.raises(SystemExit) as stop:
-        main([*command.split(), ""])
-    assert stop.value.code == 2
+    assert main([*command.split(), ""]) == 2
     assert "takes the name of a folder" in capsys.readouterr().err
 
 
@@ -235,12 +233,12 @@ def test_mistyped_commands_get_a_suggestion_and_exit_code_2(arguments, message, 
 
 def test_method_and_frame_names_are_checked(poses, tmp_path, capsys):
     out = str(tmp_path / "out")
-    assert main(["simulate", str(poses), "-o", out, "--method", "smoth"]) == 1
+    assert main(["simulate", str(poses), "-o", out, "--method", "smoth"]) == 2
     assert "Did you mean 'smooth'" in capsys.readouterr().err
-    assert main(["simulate", str(poses), "-o", out, "--frame", "ned"]) == 1
+    assert main(["simulate", str(poses), "-o", out, "--frame", "ned"]) == 2
     assert "ned-frd" in capsys.readouterr().err
-    assert main(["simulate", str(poses), "-o", out, "--rate", "-5"]) == 1
-    assert "rate must be a positive number" in capsys.readouterr().err
+    assert main(["simulate", str(poses), "-o", out, "--rate", "-5"]) == 2
+    assert "--rate must be a number of hertz above 0" in capsys.readouterr().err
 
 
 def test_the_demo_makes_what_it_says(tmp_path, capsys):
@@ -341,7 +339,7 @@ def test_kalibr_and_preset_files_are_sensors_too(poses, tmp_path):
     ],
 )
 def test_sensors_that_cannot_be(poses, tmp_path, capsys, options, message):
-    assert simulate(poses, tmp_path / "out", *options) == 1
+    assert simulate(poses, tmp_path / "out", *options) == (1 if "none.yaml" in options else 2)
     assert message in capsys.readouterr().err
 
 
@@ -400,7 +398,7 @@ def test_west_and_south_are_written_so_that_they_can_be_copied(standing, tmp_pat
     ],
 )
 def test_places_and_dates_that_are_none_end_in_one_line(options, message, standing, tmp_path, capsys):
-    assert main(["simulate", str(standing), "-o", str(tmp_path / "out"), *options]) == 1
+    assert main(["simulate", str(standing), "-o", str(tmp_path / "out"), *options]) == 2
     err = capsys.readouterr().err
     assert err.startswith("kreisel: ") and err.count("\n") == 1
     assert message in err
@@ -432,13 +430,13 @@ def test_noise_and_gaps_can_be_told_on_the_command_line(tmp_path, capsys):
         ("0.1mm,1deg,3s", "LENGTH[,ANGLE]"),
         ("0.1/0.2mm", "one number or three"),
         ("0.1deg", "'deg' is no unit of length"),
-        ("0mm", "position_noise must be above 0, in m"),
-        ("-1mm", "position_noise must be above 0, in m"),
+        ("0mm", "--noise must be above 0"),
+        ("-1mm", "--noise must be above 0"),
     ],
 )
 def test_noise_that_cannot_be_is_refused(tmp_path, capsys, noise, message):
     t = np.arange(50) / 100.0
     write(tmp_path / "poses.csv", Poses(t, np.stack([t, t, t], axis=1)))
     source, out = str(tmp_path / "poses.csv"), str(tmp_path / "out")
-    assert main(["simulate", source, "-o", out, f"--noise={noise}", "--no-pictures"]) == 1
+    assert main(["simulate", source, "-o", out, f"--noise={noise}", "--no-pictures"]) == 2
     assert message in capsys.readouterr().err

@@ -58,6 +58,12 @@ def recording(rng: np.random.Generator) -> kreisel.ImuRecording:
     return kreisel.ImuRecording(stamps(rng, n), gyro, accel, mag, EPOCH_NS, "held", **noise)
 
 
+def increments(rng: np.random.Generator) -> kreisel.ImuIncrements:
+    dtheta, dv, dp = rng.normal(size=(3, 39, 3)) * 10.0 ** rng.integers(-12, 1, size=(3, 39, 3))
+    dtheta[7] = dv[7] = dp[7] = np.nan
+    return kreisel.ImuIncrements(stamps(rng, 40), dtheta, dv, dp, EPOCH_NS, "held")
+
+
 def attitude(rng: np.random.Generator) -> kreisel.AttitudeHistory:
     p = poses(rng)
     bias, a, sigma = rng.normal(size=(3, len(p), 3))
@@ -79,6 +85,7 @@ MAKERS = {
     kreisel.Poses: poses,
     kreisel.Motion: motion,
     kreisel.ImuRecording: recording,
+    kreisel.ImuIncrements: increments,
     kreisel.AttitudeHistory: attitude,
     kreisel.Reference: reference,
 }

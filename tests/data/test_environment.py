@@ -41,3 +41,25 @@ def test_places_and_days_that_are_none_are_refused() -> None:
         Environment.at(48.0, 11.0, 0.0, date(1999, 1, 1))
     with pytest.raises(TypeError, match="day must be of type date; got float"):
         Environment.at(48.0, 11.0, 0.0, 2026.5)
+
+
+@pytest.mark.parametrize(
+    ("field", "said"),
+    [
+        ([0.0, 2e-5, -4.4e-5], "tesla is. Multiply it by 1e[+]06"),
+        ([0.0, 0.2, -0.44], "gauss is. Multiply it by 100"),
+        ([0.0, 2e4, -4.4e4], "nanotesla is. Multiply it by 0.001"),
+    ],
+)
+def test_the_earths_field_in_another_unit_is_refused_with_its_name(field, said) -> None:
+    with pytest.raises(ValueError, match=f"field_N_uT must be in microtesla.*{said}"):
+        Environment(field_N_uT=field)
+    # What no other unit explains is somebody's laboratory.
+    assert Environment(field_N_uT=[0.0, 0.0, 0.0]).field_N_uT is not None
+    assert Environment(field_N_uT=[300.0, 0.0, 0.0]).field_N_uT is not None
+
+
+def test_gravity_that_points_up_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"g_N must point down, and z of N is up: \(0, 0, -9.80665\)"):
+        Environment(g_N=[0.0, 0.0, 9.80665])
+    assert not Environment(g_N=[0.0, 0.0, 0.0]).g_N.any()

@@ -20,6 +20,7 @@ from kreisel.data.trajectory import Poses
 from kreisel.data.waypoint import Waypoint
 from kreisel.files.doors import write
 from kreisel.maths.rotations import matrix_from_euler
+from kreisel.simulate.clock import Clock, Sampling
 from kreisel.simulate.imu import Imu
 from kreisel.simulate.trajectories.functions import FunctionTrajectory
 from kreisel.simulate.trajectories.lissajous import lissajous
@@ -32,6 +33,7 @@ from kreisel.study.building import (
     disturbance_kinds,
     trajectory_kinds,
 )
+from kreisel.study.imus import EFFECTS, effect_kinds
 from kreisel.study.run import run
 from kreisel.study.scenario import (
     DisturbanceRecipe,
@@ -146,7 +148,7 @@ DOCS = (Path(__file__).resolve().parents[2] / "docs" / "scenarios.md").read_text
 
 
 def test_the_docs_have_every_key_kind_and_function():
-    recipes = (Scenario, ImuRecipe, EnvironmentRecipe, Waypoint, Segment)
+    recipes = (Scenario, ImuRecipe, EnvironmentRecipe, Waypoint, Segment, Clock, Sampling)
     keys = {f.name for recipe in recipes for f in fields(recipe)} - {
         "imus",
         "filters",
@@ -157,8 +159,9 @@ def test_the_docs_have_every_key_kind_and_function():
         getattr(discovery.load(TRAJECTORIES, kind), kind) for kind in set(trajectory_kinds()) - {"file"}
     ]
     makers += [discovery.load(DISTURBANCES, kind).DISTURBANCE for kind in disturbance_kinds()]
+    makers += [type(discovery.load(EFFECTS, kind).example()) for kind in effect_kinds()]
     parameters = {name for make in makers for name in signature(make).parameters}
-    words = {*keys, *parameters, *trajectory_kinds(), *disturbance_kinds(), *FUNCTIONS}
+    words = {*keys, *parameters, *trajectory_kinds(), *disturbance_kinds(), *effect_kinds(), *FUNCTIONS}
     assert [word for word in sorted(words) if not re.search(rf"[`\[]{word}[`(\]]", DOCS)] == []
 
 

@@ -20,6 +20,7 @@ from kreisel.simulate.trajectories.functions import FunctionTrajectory
 from kreisel.study.building import build, surroundings
 from kreisel.study.scenario import (
     DisturbanceRecipe,
+    EffectRecipe,
     EnvironmentRecipe,
     FilterRecipe,
     ImuRecipe,
@@ -142,9 +143,12 @@ DISTURBANCES = st.lists(
     ),
     max_size=3,
 ).map(tuple)
+GRAVITIES = st.floats(0.0, 1e3)
+# 31 to 69 uT: not the Earth's in any other unit.
+FIELDS = st.tuples(*[st.floats(18.0, 40.0)] * 3)
 PLACES = st.builds(
     EnvironmentRecipe,
-    st.none() | NUMBERS,
+    st.none() | GRAVITIES,
     declination_deg=st.none() | NUMBERS,
     latitude_deg=st.floats(-90.0, 90.0),
     longitude_deg=st.floats(-180.0, 360.0),
@@ -152,6 +156,30 @@ PLACES = st.builds(
     date=st.dates(datetime.date(2010, 1, 1), datetime.date(2029, 12, 31)),
     turning=st.booleans(),
     disturbances=DISTURBANCES,
+)
+# What suits any run: no latency, no jitter, temperatures that always were.
+IMUS = st.builds(
+    ImuRecipe,
+    NAMES,
+    VECTORS,
+    VECTORS,
+    datasheet=st.dictionaries(
+        st.sampled_from(["gyro_fixed_bias_dps", "accel_fixed_temperature_bias_mg_per_K"]), NUMBERS | VECTORS
+    ),
+    clock=st.fixed_dictionaries(
+        {}, optional={"offset": NUMBERS, "loss": st.floats(0.0, 1.0), "mag": st.just({"rate": 20.0})}
+    ),
+    temperature=st.none() | st.floats(-273.0, 2000.0) | st.just(((-1e7, 20.0), (1e7, 30.0))),
+    effects=st.lists(
+        st.builds(
+            EffectRecipe,
+            st.sampled_from(["gyro", "accel"]),
+            st.just("scale_factor"),
+            st.fixed_dictionaries({"sigma": st.floats(0.0, 1.0)}),
+        ),
+        max_size=2,
+        unique_by=lambda e: e.sensor,
+    ).map(tuple),
 )
 SCENARIOS = st.builds(
     Scenario,
@@ -161,10 +189,8 @@ SCENARIOS = st.builds(
     st.none() | NUMBERS,
     st.text(max_size=10),
     st.integers(0, 2**70),
-    st.lists(st.builds(ImuRecipe, NAMES, VECTORS, VECTORS), unique_by=lambda i: i.name, max_size=3).map(
-        tuple
-    ),
-    st.builds(EnvironmentRecipe, NUMBERS, st.none() | VECTORS, st.none() | NUMBERS) | PLACES,
+    st.lists(IMUS, unique_by=lambda i: i.name, max_size=3).map(tuple),
+    st.builds(EnvironmentRecipe, GRAVITIES, st.none() | FIELDS, st.none() | NUMBERS) | PLACES,
 )
 
 

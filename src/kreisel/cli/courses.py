@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from kreisel.cli.inputs import read_input
+from kreisel.cli.values import UsageError, as_typed, number, one_of, typed
 from kreisel.data.checks import choice
 from kreisel.data.frames import to_enu_flu
 from kreisel.data.motion import Motion
@@ -36,6 +37,12 @@ _OPTIONS = {
     ),
 }
 
+_ORIENTATIONS = {
+    "poses": ("tangent", "transport"),
+    "waypoints": ("tangent", "level"),
+    "profile": ("tangent", "level"),
+}
+
 
 class Course(NamedTuple):
     """What a file gave."""
@@ -50,6 +57,7 @@ def add_course_arguments(parser: ArgumentParser) -> None:
         "--as",
         dest="kind_of_path",
         default="poses",
+        type=one_of(KINDS),
         metavar="KIND",
         help="what the rows of the input are: poses (default), waypoints to pass smoothly, or a motion profile "
         "(drive, turn, climb, stop, rest; also gnss-ins-sim's motion definitions); docs/motion.md",
@@ -58,21 +66,25 @@ def add_course_arguments(parser: ArgumentParser) -> None:
     group.add_argument(
         "--noise",
         metavar="LENGTH[,ANGLE]",
+        type=typed(parse_noise),
         help="noise of the poses where it is known, such as 0.1mm or 0.1mm,0.01deg; x/y/z for one per axis, such as "
         "0.1/0.1/0.3mm (default: found from the poses)",
     )
     group.add_argument(
         "--max-gap",
-        type=float,
+        type=number("seconds", lowest=0.0),
         metavar="S",
         help="longest time without poses that is bridged (default 0.25 s)",
     )
     group = parser.add_argument_group("waypoints and profiles")
-    group.add_argument("--max-speed", type=float, metavar="M/S", help="limit on the way along waypoints")
-    group.add_argument("--max-acceleration", type=float, metavar="M/S^2", help="the same for acceleration")
-    group.add_argument("--max-jerk", type=float, metavar="M/S^3", help="the same for jerk")
+    limit = number(above=0.0)
+    group.add_argument("--max-speed", type=limit, metavar="M/S", help="limit on the way along waypoints")
+    group.add_argument("--max-acceleration", type=limit, metavar="M/S^2", help="the same for acceleration")
+    group.add_argument("--max-jerk", type=limit, metavar="M/S^3", help="the same for jerk")
     group.add_argument(
-        "--minimum", help="jerk (default) or snap: what the path through waypoints has least of"
+        "--minimum",
+        type=one_of(("jerk", "snap")),
+        help="jerk (default) or snap: what the path through waypoints has least of",
     )
     group.add_argument(
         "--closed", action="store_true", default=None, help="from the last waypoint back to the first"
@@ -81,27 +93,36 @@ def add_course_arguments(parser: ArgumentParser) -> None:
         "--banked", action="store_true", default=None, help="roll into turns, as aeroplanes do"
     )
     group.add_argument(
-        "--ramp", type=float, metavar="S", help="time in which turns of a profile come on (default 1)"
+        "--ramp",
+        type=number("seconds", above=0.0),
+        metavar="S",
+        help="time in which turns of a profile come on (default 1)",
     )
     group.add_argument(
-        "--heading", type=float, metavar="DEG", help="at the begin of a profile: 0 east (default), 90 north"
+        "--heading",
+        type=number("degrees"),
+        metavar="DEG",
+        help="at the begin of a profile: 0 east (default), 90 north",
     )
 
 
 def read_course(args: Namespace) -> Course:
     """The trajectory that the arguments name. ValueError for options that do not belong to its kind."""
-    kind = choice("--as", args.kind_of_path, KINDS)
+    kind = args.kind_of_path
+    if args.orientation is not None:
+        with as_typed():
+            choice("--orientation", args.orientation, _ORIENTATIONS[kind])
     given = {name: getattr(args, name) for name in _OPTIONS if getattr(args, name) is not None}
     for name in given:
         if kind not in _OPTIONS[name]:
             option = name.removesuffix("_format").replace("_", "-")
-            raise ValueError(
+            raise UsageError(
                 f"--{option} does not apply to {kind}. Leave it out, or say --as {_OPTIONS[name][0]}."
             )
     if kind == "poses":
         return _poses(args)
     if args.rate is None:
-        raise ValueError(f"--as {kind} needs a sampling rate: give --rate HZ.")
+        raise UsageError(f"--as {kind} needs a sampling rate: give --rate HZ.")
     trajectory, told = (_waypoints if kind == "waypoints" else _profile)(args, given)
     first, last = trajectory.span if np.isfinite(trajectory.span).all() else (0.0, trajectory.lap)
     return Course(trajectory.sample(even_times(first, last, args.rate)), f"{told} over {last - first:.4g} s")
@@ -115,7 +136,7 @@ def _poses(args: Namespace) -> Course:
     except ValueError as error:
         raise ValueError(f"{error}{_meant(args.input)}") from None
     assert isinstance(poses, Poses)  # the kind asked for
-    smoothing = parse_noise(args.noise)
+    smoothing = dict(args.noise or {})
     if args.max_gap is not None:
         smoothing["max_gap"] = args.max_gap
     trajectory = SampledTrajectory.from_poses(poses, args.orientation, args.method or "auto", **smoothing)
@@ -124,10 +145,10 @@ def _poses(args: Namespace) -> Course:
     return Course(motion, f"{len(poses)} poses over {last - first:.4g} s")
 
 
-def parse_noise(text: str | None) -> dict[str, Any]:
+def parse_noise(text: str) -> dict[str, Any]:
     """Options of a SampledTrajectory that "LENGTH[,ANGLE]" stands for, each "0.1mm" or "0.1/0.1/0.3mm"."""
     names = (("position_noise", "length"), ("attitude_noise", "angle"))
-    parts = [] if text is None else text.split(",")
+    parts = text.split(",")
     if len(parts) > 2:
         raise ValueError(f"--noise takes LENGTH[,ANGLE], such as 0.1mm,0.01deg; got {text!r}.")
     return {name: _level(part, quantity) for part, (name, quantity) in zip(parts, names, strict=False)}
@@ -143,6 +164,10 @@ def _level(text: str, quantity: str) -> list[float]:
         raise ValueError(
             f"--noise takes numbers with their unit, such as 0.1mm,0.01deg; got {text!r}."
         ) from None
+    if not (numbers > 0.0).all():
+        raise ValueError(
+            f"--noise must be above 0; got {text!r}. Leave it out to have it found from the poses."
+        )
     if len(numbers) not in (1, 3):
         raise ValueError(f"--noise takes one number or three, x/y/z; got {text!r}.")
     scaled = scale(match[2], quantity)(numbers).tolist()
@@ -181,7 +206,7 @@ def _profile(args: Namespace, given: dict[str, Any]) -> tuple[Any, str]:
     if isinstance(found, MotionDefinition):
         if given or args.orientation:
             name = next(iter(given), "orientation").replace("_", "-")
-            raise ValueError(
+            raise UsageError(
                 f"{args.input} is a motion definition of gnss-ins-sim: --{name} does not apply. Leave it out."
             )
         return CommandedMotion(found), f"{len(found.commands)} commands"

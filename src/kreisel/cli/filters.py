@@ -9,7 +9,7 @@ from dataclasses import fields
 from typing import Any
 
 from kreisel import discovery
-from kreisel.data.checks import choice
+from kreisel.cli.values import UsageError, as_typed, number, one_of
 
 FILTERS = "kreisel.estimate.filters"
 
@@ -17,10 +17,15 @@ FILTERS = "kreisel.estimate.filters"
 def add_filter_arguments(parser: ArgumentParser) -> None:
     """--filter, --mode, --set and --declination-deg."""
     parser.add_argument(
-        "--filter", default="dcm", metavar="NAME", help=f"{', '.join(_names())} (default: dcm)"
+        "--filter",
+        default="dcm",
+        metavar="NAME",
+        type=one_of(_names),
+        help=f"{', '.join(_names())} (default: dcm)",
     )
     parser.add_argument(
         "--mode",
+        type=one_of(("auto", "9", "6", "gyro")),
         help="auto: with the magnetometer where there is one (default); 9: insist on it; 6: without it; "
         "gyro: the gyroscope alone after the start",
     )
@@ -33,7 +38,7 @@ def add_filter_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--declination-deg",
-        type=float,
+        type=number("degrees", lowest=-180.0, highest=180.0),
         metavar="DEG",
         help="magnetic declination, east positive: north is then true north (default 0: magnetic north)",
     )
@@ -51,7 +56,8 @@ def chosen_filter(args: Namespace) -> Any:
         tuning["mode"] = args.mode
     if args.declination_deg is not None:
         tuning["declination"] = math.radians(args.declination_deg)
-    return call(make, tuning, Place("--set"))
+    with as_typed():
+        return call(make, tuning, Place("--set"))
 
 
 def tuning_help(name: str) -> str:
@@ -75,12 +81,12 @@ def parse_settings(pairs: Sequence[str], texts: Collection[str] = ()) -> dict[st
         name, equals, value = (part.strip() for part in pair.partition("="))
         *tables, last = name.split(".")
         if not equals or not value or not all([*tables, last]):
-            raise ValueError(f"--set takes NAME=VALUE, such as --set accel_time=3; got {pair!r}.")
+            raise UsageError(f"--set takes NAME=VALUE, such as --set accel_time=3; got {pair!r}.")
         inner = settings
         for table in tables:
             inner = inner.setdefault(table, {})
             if not isinstance(inner, dict):
-                raise ValueError(f"--set {pair}: {table} has a value already.")
+                raise UsageError(f"--set {pair}: {table} has a value already.")
         parsed = _value(value)
         inner[last] = value if name in texts and not isinstance(parsed, str) else parsed
     return settings
@@ -100,4 +106,4 @@ def _names() -> list[str]:
 
 
 def _make(name: str) -> Any:
-    return discovery.load(FILTERS, choice("--filter", name, _names()).replace("-", "_")).FILTER
+    return discovery.load(FILTERS, name.replace("-", "_")).FILTER

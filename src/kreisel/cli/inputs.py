@@ -2,39 +2,55 @@
 
 from __future__ import annotations
 
-import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
+from kreisel.cli.notes import note
+from kreisel.cli.values import UsageError, as_typed, number, one_of
 from kreisel.data.checks import choice
 from kreisel.data.facts import impossible_units, unit_doubts
 from kreisel.data.frames import WORLDS, to_enu_flu
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trial import Trial
+from kreisel.files.columns import GROUP_OF, GROUPS, KNOWN, split_unit
 from kreisel.files.doors import KINDS, format_names, read
 from kreisel.files.formats import Content, Noun
+from kreisel.files.units import scale
+
+world = one_of(tuple(WORLDS))
+"""A type for argparse: the name of a world of axes."""
+
+rate = number("hertz", above=0.0)
+"""A type for argparse: a rate, Hz."""
 
 
 def add_input_arguments(parser: ArgumentParser, many: bool = False) -> None:
     """`input` (a list with `many`), --from, --kind, --frame, --column, --input-rate, --times and --topic."""
     if many:
-        parser.add_argument("input", nargs="+", metavar="FILE", help="files to read")
+        parser.add_argument(
+            "input", nargs="+", metavar="FILE", help="files to read, or patterns such as 'rec/**/*.csv'"
+        )
     else:
         parser.add_argument("input", metavar="IN", help="file to read")
     parser.add_argument(
         "--from",
         dest="from_format",
         metavar="FORMAT",
+        type=one_of(format_names),
         help=f"format of the input, where suffix and content do not tell: {', '.join(format_names())}",
     )
     parser.add_argument(
-        "--kind", metavar="KIND", help=f"what to take from a file that has several: {', '.join(KINDS)}"
+        "--kind",
+        metavar="KIND",
+        type=one_of(tuple(KINDS)),
+        help=f"what to take from a file that has several: {', '.join(KINDS)}",
     )
     parser.add_argument(
         "--frame",
         default="enu-flu",
         metavar="WORLD",
+        type=world,
         help=f"world of the input: {', '.join(WORLDS)} (default: enu-flu)",
     )
     parser.add_argument(
@@ -44,7 +60,7 @@ def add_input_arguments(parser: ArgumentParser, many: bool = False) -> None:
         help="a column of a foreign csv, with its unit where the header has none: --column t='Time [ms]', "
         "--column p_x='X [mm]', --column p_y='#3 [mm]' for the third; may be given several times",
     )
-    parser.add_argument("--input-rate", type=float, metavar="HZ", help="rate of an input that holds no time")
+    parser.add_argument("--input-rate", type=rate, metavar="HZ", help="rate of an input that holds no time")
     parser.add_argument("--times", metavar="FILE", help="stamps in s, one a line, for an input without time")
     parser.add_argument(
         "--topic",
@@ -67,7 +83,6 @@ def read_input(args: Namespace, path: str | None = None, kind: str | None = None
 
 def read_content(args: Namespace, path: str | None = None, kind: str | None = None) -> Content:
     """The same in the axes of the file, and a benchmark's trial as a whole."""
-    choice("--frame", args.frame, tuple(WORLDS))
     return read(
         Path(args.input if path is None else path),
         args.from_format,
@@ -83,21 +98,38 @@ def parse_columns(pairs: Sequence[str] | None) -> dict[str, str] | None:
     """{"t": "Time [ms]"} from ["t=Time [ms]"]; None from nothing."""
     if not pairs:
         return None
-    columns = dict(pair.partition("=")[::2] for pair in pairs)
+    columns = {}
     for pair in pairs:
-        name, _, header = pair.partition("=")
-        if not name.strip() or not header.strip():
-            raise ValueError(f"--column takes NAME=HEADER, such as --column t='Time [ms]'; got {pair!r}.")
-    return {name.strip(): header.strip() for name, header in columns.items()}
+        name, _, header = (part.strip() for part in pair.partition("="))
+        if not name or not header:
+            raise UsageError(f"--column takes NAME=HEADER, such as --column t='Time [ms]'; got {pair!r}.")
+        with as_typed():
+            group = GROUP_OF[choice("NAME of --column", name, KNOWN)]
+        unit = split_unit(header)[1]
+        if unit is not None:
+            check_unit(f"--column {name}", unit, group)
+        columns[name] = header
+    return columns
 
 
-def check_units(recording: ImuRecording, path: str, trusted: bool) -> None:
-    """Refuse impossible units unless they are trusted; doubtful ones are a note on stderr."""
+def check_unit(option: str, unit: str, group: str) -> None:
+    """Refuse a unit that is none of the columns of `group`, as `kreisel.files.columns.GROUPS` has it."""
+    try:
+        scale(unit, GROUPS[group][1])
+    except ValueError as error:
+        raise UsageError(f"{option}: {error}") from None
+
+
+def check_units(recording: ImuRecording, path: str, trusted: bool, unit: str = "accel_x='ax [g]'") -> None:
+    """Refuse impossible units unless they are trusted; doubtful ones are a note on stderr.
+
+    unit : how the unit of a column is named, for the complaint.
+    """
     impossible = impossible_units(recording)
     if impossible and not trusted:
         raise ValueError(
-            f"{path}: {' And '.join(impossible)} Name the unit (--column accel_x='ax [g]'), "
+            f"{path}: {' And '.join(impossible)} Name the unit (--column {unit}), "
             "or insist with --trust-units."
         )
     for doubt in unit_doubts(recording):
-        sys.stderr.write(f"kreisel: note: {path}: {doubt}\n")
+        note(f"{path}: {doubt}")

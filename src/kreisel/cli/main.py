@@ -16,6 +16,8 @@ from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
 from kreisel import __version__, discovery
+from kreisel.cli.notes import complain, is_quiet, note, quiet, sentence
+from kreisel.cli.values import UsageError
 
 COMMANDS = "kreisel.cli.commands"
 
@@ -49,6 +51,9 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Say in one line what is wrong, or what was meant."""
+        refused = sys.exception()
+        if refused is not None and isinstance(refused.__context__, UsageError):
+            raise UsageError(_about(refused, refused.__context__)) from None
         import difflib
 
         words = self._words()
@@ -72,6 +77,15 @@ class _Parser(argparse.ArgumentParser):
         return words
 
 
+def _about(refused: BaseException, error: UsageError) -> str:
+    """The sentence about a value that an option refused, beginning with the option."""
+    name = (getattr(refused, "argument_name", None) or "").rpartition("/")[2]
+    text = str(error).strip()
+    if text.startswith("-"):
+        return text
+    return f"{name} {text}" if text.startswith(("must ", "takes ")) else f"{name}: {text}"
+
+
 def build_parser(command: str | None = None) -> argparse.ArgumentParser:
     """The command line, ready to run `command`: no other is imported, the help needs none."""
     parser = _Parser(
@@ -92,10 +106,16 @@ def build_parser(command: str | None = None) -> argparse.ArgumentParser:
             allow_abbrev=False,
         )
         if name == command:
-            module = discovery.load(COMMANDS, name)
-            module.configure(sub)
-            sub.set_defaults(run=module.run)
+            configure(sub, command)
     return parser
+
+
+def configure(parser: argparse.ArgumentParser, command: str) -> None:
+    """Add the arguments of `command`, those that all have included."""
+    module = discovery.load(COMMANDS, command)
+    module.configure(parser)
+    parser.add_argument("--quiet", action="store_true", help="say nothing but errors, and what --json prints")
+    parser.set_defaults(run=module.run)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -109,7 +129,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         # Around the parser too: it imports the command, and with it most of the package.
         with _notes_in_one_line():
             args = build_parser(command).parse_args(arguments)
-            code: int = args.run(args)
+            code = _run(args)
         sys.stdout.flush()
         return code
     except KeyboardInterrupt:
@@ -118,11 +138,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         # The reader (such as `head`) has gone; what is still in the buffer must not raise at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
-    except OSError as error:
-        named = f"{error.filename}: {error.strerror}" if error.filename and error.strerror else str(error)
-        return _complain(named, 1)
-    except (ValueError, TypeError) as error:
-        return _complain(str(error), 1)
+    except UsageError as error:
+        return _complain(str(error), 2)
+    except (ValueError, TypeError, OSError) as error:
+        return _complain(sentence(error), 1)
+
+
+def _run(args: argparse.Namespace) -> int:
+    if not args.quiet:
+        return int(args.run(args))
+    with quiet(data_on_stdout=getattr(args, "json", False) or getattr(args, "data_on_stdout", False)):
+        return int(args.run(args))
 
 
 @contextmanager
@@ -140,8 +166,8 @@ def _notes_in_one_line() -> Iterator[None]:
             line: str | None = None,
         ) -> None:
             if Path(filename).is_relative_to(_PACKAGE):
-                sys.stderr.write("kreisel: note: " + " ".join(str(message).split()) + "\n")
-            else:
+                note(str(message))
+            elif not is_quiet():
                 usual(message, category, filename, lineno, file, line)
 
         warnings.showwarning = show
@@ -149,7 +175,7 @@ def _notes_in_one_line() -> Iterator[None]:
 
 
 def _complain(text: str, code: int) -> int:
-    sys.stderr.write("kreisel: " + " ".join(text.split()) + "\n")
+    complain(text)
     return code
 
 

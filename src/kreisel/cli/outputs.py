@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import json
 import sys
-from argparse import ArgumentTypeError
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,12 +13,15 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol, TextIO, TypeVar
 import numpy as np
 
 from kreisel.atomic import is_standard_output, refuse_unwritable, replacing
+from kreisel.cli.notes import is_quiet
+from kreisel.cli.progress import Progress
+from kreisel.cli.values import UsageError, as_typed
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount, Note
-from kreisel.files.doors import suffix, write
+from kreisel.data.recording import ImuRecording
+from kreisel.files.doors import format_to_write, suffix, write
 
 if TYPE_CHECKING:
-    from kreisel.data.increments import ImuIncrements
-    from kreisel.data.recording import ImuRecording
     from kreisel.evaluate.attitude_errors import Summary
     from kreisel.simulate.imu import Imu
     from kreisel.simulate.recorded import Recorded
@@ -54,8 +57,8 @@ class Simulated(Protocol):
         ...
 
     @property
-    def recordings(self) -> Sequence[ImuRecording]:
-        """What they read."""
+    def recordings(self) -> Sequence[ImuRecording | ImuIncrements]:
+        """What they read, or added up."""
         ...
 
     @property
@@ -70,22 +73,28 @@ class Simulation:
 
     motion: Motion
     mounts: Sequence[Mount]
-    recordings: Sequence[ImuRecording]
+    recordings: Sequence[ImuRecording | ImuIncrements]
     recorded: Sequence[Recorded] = ()
 
 
 def output_folder(text: str) -> Path:
     """The folder that an option names; for argparse, as `type`."""
     if not text.strip():
-        raise ArgumentTypeError(
-            "takes the name of a folder; got an empty one. Write . for the current folder"
-        )
+        raise UsageError("takes the name of a folder; got an empty one. Write . for the current folder.")
     return Path(text)
+
+
+def check_format(output: str, format: str | None = None) -> None:
+    """Refuse a file to write whose format neither `format` nor its suffix tells, before anything is done for it."""
+    with as_typed():
+        format_to_write(output, format)
 
 
 def summary_stream(output: str) -> TextIO:
     """Where to print what is told about `output`: the data itself may have gone to standard output."""
-    return sys.stderr if is_standard_output(output) else sys.stdout
+    if not is_standard_output(output):
+        return sys.stdout
+    return io.StringIO() if is_quiet() else sys.stderr
 
 
 def check_outputs(folder: Path, outputs: Sequence[Output[Any]]) -> None:
@@ -107,9 +116,16 @@ def write_outputs(folder: Path, outputs: Sequence[Output[Made]], made: Made) -> 
     """Write every output, or none where one cannot be; the lines of a summary that names each file."""
     check_outputs(folder, outputs)
     _make_folder(folder)
-    for output in outputs:
-        output.write(made, folder / output.name)
+    with Progress(len(outputs), "writing") as progress:
+        for output in outputs:
+            output.write(made, folder / output.name)
+            progress.advance()
     return [f"{folder / output.name}  {output.what}" for output in outputs]
+
+
+def written(folder: Path | None, outputs: Sequence[Output[Any]]) -> list[Path]:
+    """The files that `outputs` are in `folder`; none without a folder."""
+    return [] if folder is None else [folder / output.name for output in outputs]
 
 
 def _make_folder(folder: Path) -> None:
@@ -132,6 +148,7 @@ def simulation_outputs(
     *,
     erring: Sequence[str] = (),
     magnetometer: bool = False,
+    increments: bool = False,
     world: str = "enu-flu",
     imu_format: str = "csv",
     pictures: bool = True,
@@ -156,17 +173,21 @@ def simulation_outputs(
         write(path, from_enu_flu(made.motion, world))
 
     sensors = ["gyroscope (rad/s)", "accelerometer (m/s^2)", *(["magnetometer (uT)"] if magnetometer else [])]
-    data = [
-        Output(f"{name}{suffix(imu_format)}", f"{', '.join(sensors)} of {name}", recording(k))
-        for k, name in enumerate(imus)
-    ]
+
+    def held(name: str) -> str:
+        sums = ["turn (rad)", "velocity (m/s)", *([] if name in erring else ["position (m)"])]
+        return (
+            f"{', '.join(sums)} of {name} per interval" if increments else f"{', '.join(sensors)} of {name}"
+        )
+
+    data = [Output(f"{name}{suffix(imu_format)}", held(name), recording(k)) for k, name in enumerate(imus)]
     what = "ideal readings, biases and every error term of"
     return [
         *data,
         *(Output(f"{name}-errors.npz", f"{what} {name}", errors(k)) for k, name in enumerate(erring)),
         Output("truth.tum", "position and attitude of the body, as evo and others read it", truth),
         Output("truth.npz", "the whole motion, for numpy.load", truth),
-        *(_pictures(imus) if pictures else ()),
+        *(_pictures(imus, increments) if pictures else ()),
         *(
             [Output("motion.gif", "the body moving along its path, and what it feels", _film)]
             if animation
@@ -187,7 +208,7 @@ def picture(name: str, what: str, draw: Callable[[Made], Any]) -> Output[Made]:
     return Output(name, what, save)
 
 
-def _pictures(imus: Sequence[str]) -> Iterator[Output[Simulated]]:
+def _pictures(imus: Sequence[str], increments: bool) -> Iterator[Output[Simulated]]:
     from kreisel import show
 
     yield picture(
@@ -201,16 +222,22 @@ def _pictures(imus: Sequence[str]) -> Iterator[Output[Simulated]]:
     )
 
     def imu(k: int) -> Callable[[Simulated], Any]:
-        return lambda made: show.plot_imu(made.recordings[k])
+        return lambda made: show.plot_imu(_rates(made.recordings[k]))
 
     for k, name in enumerate(imus):
-        yield picture(f"{name}.png", f"what {name} reads", imu(k))
+        text = f"mean rate and force in the intervals of {name}" if increments else f"what {name} reads"
+        yield picture(f"{name}.png", text, imu(k))
+
+
+def _rates(read: ImuRecording | ImuIncrements) -> ImuRecording:
+    """What can be drawn over time."""
+    return read.mean_rates() if isinstance(read, ImuIncrements) else read
 
 
 def _film(made: Simulated, path: Path) -> None:
     from kreisel.show.animation import animate
 
-    animate(made.motion, made.mounts, path, recording=made.recordings[0])
+    animate(made.motion, made.mounts, path, recording=_rates(made.recordings[0]))
 
 
 def _viewer() -> Output[Simulated]:
@@ -219,7 +246,7 @@ def _viewer() -> Output[Simulated]:
     installed()  # now, and not when everything else has been written
 
     def save(made: Simulated, path: Path) -> None:
-        save_rerun(path, made.motion, made.mounts, made.recordings)
+        save_rerun(path, made.motion, made.mounts, list(map(_rates, made.recordings)))
 
     return Output("motion.rrd", "body, IMUs and readings, for the Rerun viewer", save)
 
@@ -238,30 +265,38 @@ def describe_notes(notes: Sequence[Note]) -> list[str]:
     return lines
 
 
-def describe_round_trip(imu: Imu, motion: Motion, measured: ImuRecording | None = None) -> list[str]:
+def describe_round_trip(
+    imu: Imu, motion: Motion, measured: ImuRecording | ImuIncrements | None = None
+) -> list[str]:
     """Lines of "name  errors" for readings of `imu`, each integrated back over all of `motion`.
 
     Ideal rates show what is lost between the samples. Increments have no error of method in attitude and velocity;
     their position, integrated from velocity, shows whether the path and its derivative are one. `measured`, what the
-    sensor read with its errors, shows how far it drifts without a filter.
+    sensor read with its errors, or perfect increments with dp, shows how far it drifts without a filter.
     """
-    from kreisel.study.round_trip import round_trip
+    from kreisel.study.round_trip import complete, round_trip
 
     truth, lines = motion.at(imu.mount), []
     increments = replace(imu.increments(motion), dp=None)
-    readings: dict[str, ImuRecording | ImuIncrements] = {
-        "ideal rates": imu.ideal(motion),
-        "ideal increments": increments,
+    readings: dict[str, tuple[ImuRecording | ImuIncrements, Motion]] = {
+        "ideal rates": (imu.ideal(motion), truth),
+        "ideal increments": (increments, truth),
     }
     if measured is not None:
-        readings["with its errors"] = measured
-    for kind, recording in readings.items():
-        errors = round_trip(recording, truth, imu.environment)
-        p, v, turn = (float(x.max()) for x in (errors.position, errors.velocity, errors.attitude))
-        # Two digits that count, but 100 rather than 1e+02.
-        p, v, turn = (float(f"{x:.2g}") for x in (p, v, np.rad2deg(turn)))
-        lines.append(f"{imu.mount.name} {kind}  {p:.4g} m, {v:.4g} m/s, {turn:.4g} deg")
+        exact = isinstance(measured, ImuIncrements) and measured.dp is not None
+        whole = (measured, truth) if isinstance(measured, ImuIncrements) else complete(measured, truth)
+        readings["increments as written" if exact else "with its errors"] = whole
+    for kind, (recording, true) in readings.items():
+        errors = round_trip(recording, true, imu.environment)
+        p, v, turn = two_digits([float(x.max()) for x in (errors.position, errors.velocity, errors.attitude)])
+        lines.append(f"{imu.mount.name} {kind}  {p} m, {v} m/s, {turn} deg")
     return lines
+
+
+def two_digits(error: Sequence[float]) -> list[str]:
+    """Position m, velocity m/s and attitude (rad, told in deg) with the digits that count: 100 rather than 1e+02."""
+    p, v, turn = error
+    return [f"{float(f'{x:.2g}'):.4g}" for x in (p, v, float(np.rad2deg(turn)))]
 
 
 def removed(summary: Summary) -> list[str]:

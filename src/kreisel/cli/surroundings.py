@@ -6,22 +6,25 @@ from argparse import ArgumentParser, Namespace
 
 import numpy as np
 
+from kreisel.cli.values import UsageError, as_typed
 from kreisel.data.environment import Environment
 
 
-def add_place_arguments(parser: ArgumentParser) -> None:
-    """--place, --date and --turning."""
+def add_place_arguments(parser: ArgumentParser, dated: bool = True) -> None:
+    """--place, --date (where `dated`: it gives a magnetic field) and --turning."""
     parser.add_argument(
         "--place",
         metavar="LAT,LON[,HEIGHT]",
         help="where on the Earth the origin is, in deg (north and east positive) and m: gives gravity; in the south "
         "written with =, as in --place=-33.9,18.4",
     )
-    parser.add_argument(
-        "--date",
-        metavar="YYYY-MM-DD",
-        help="the day, for the magnetic field at --place: the IMUs get magnetometers",
-    )
+    parser.set_defaults(date=None)
+    if dated:
+        parser.add_argument(
+            "--date",
+            metavar="YYYY-MM-DD",
+            help="the day, for the magnetic field at --place: the IMUs get magnetometers",
+        )
     parser.add_argument(
         "--turning",
         action="store_true",
@@ -38,17 +41,18 @@ def environment_at(args: Namespace) -> Environment:
     if args.place is None:
         for option in ("date", "turning"):
             if getattr(args, option):
-                raise ValueError(f"--{option} says nothing without a place; give --place LAT,LON too.")
+                raise UsageError(f"--{option} says nothing without a place; give --place LAT,LON too.")
         return Environment()
     latitude, longitude, *height = parse_place(args.place)
-    recipe = EnvironmentRecipe(
-        latitude_deg=latitude,
-        longitude_deg=longitude,
-        height_m=height[0] if height else 0.0,
-        date=args.date,
-        turning=args.turning,
-    )
-    return surroundings(recipe, Place("--place"))
+    with as_typed():
+        recipe = EnvironmentRecipe(
+            latitude_deg=latitude,
+            longitude_deg=longitude,
+            height_m=height[0] if height else 0.0,
+            date=args.date,
+            turning=args.turning,
+        )
+        return surroundings(recipe, Place("--place"))
 
 
 def parse_place(text: str) -> list[float]:
@@ -58,7 +62,7 @@ def parse_place(text: str) -> list[float]:
     except ValueError:
         numbers = []
     if len(numbers) not in (2, 3):
-        raise ValueError(f"--place takes LAT,LON or LAT,LON,HEIGHT, such as 48.14,11.58,520; got {text!r}.")
+        raise UsageError(f"--place takes LAT,LON or LAT,LON,HEIGHT, such as 48.14,11.58,520; got {text!r}.")
     return numbers
 
 

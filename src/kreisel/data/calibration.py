@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from kreisel.data.cards import Shown
 from kreisel.data.checks import Array, finite, read_only, regular, shaped
 from kreisel.data.recording import ImuRecording
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TriadCalibration:
+class TriadCalibration(Shown):
     """Three axes of one sensor: reading = matrix @ truth + bias, in the unit of the sensor."""
 
     matrix: Array = field(
@@ -35,7 +36,7 @@ class TriadCalibration:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Calibration:
+class Calibration(Shown):
     """The triads that were calibrated; None where nothing is known."""
 
     gyro: TriadCalibration | None = None  # rad/s

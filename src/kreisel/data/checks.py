@@ -229,6 +229,10 @@ def choice(name: str, value: Any, options: Sequence[str]) -> str:
 
     begun = [option for option in options if value and option.startswith(str(value))]
     near = begun or difflib.get_close_matches(str(value), options, n=1)
+    if not near:
+        # "nde" is meant for "ned-frd": the first part of a name is what people remember.
+        firsts = {option.split("-")[0]: option for option in reversed(options)}
+        near = [firsts[first] for first in difflib.get_close_matches(str(value), firsts, n=1)]
     hint = f" Did you mean {near[0]!r}?" if near else ""
     shown = options
     if len(options) > _MOST_SHOWN:

@@ -9,10 +9,15 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from kreisel.data.cards import Shown
 from kreisel.data.checks import Array, finite, instance, scalar, shaped
 
 STANDARD_GRAVITY = 9.80665
 """m/s^2; BIPM, SI brochure, conventional value of the acceleration due to gravity."""
+
+# uT, strength of the field anywhere on the Earth with some room; and what other units are in microtesla.
+_EARTHS_FIELD = (18.0, 75.0)
+_OTHER_UNITS = {"tesla": 1e6, "millitesla": 1e3, "gauss": 1e2, "nanotesla": 1e-3}
 
 
 @runtime_checkable
@@ -33,7 +38,7 @@ class Disturbance(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Environment:
+class Environment(Shown):
     """Surroundings of the body, in N (east, north, up)."""
 
     g_N: Array = field(default_factory=lambda: np.array([0.0, 0.0, -STANDARD_GRAVITY]))  # (3,) m/s^2
@@ -91,12 +96,34 @@ class Environment:
         put = object.__setattr__
         for name in ("g_N", "omega_IN_N"):
             put(self, name, finite(name, shaped(name, getattr(self, name), (3,))))
+        _downwards(self.g_N)
         if self.field_N_uT is not None:
             put(self, "field_N_uT", finite("field_N_uT", shaped("field_N_uT", self.field_N_uT, (3,))))
+            _in_microtesla("field_N_uT", self.field_N_uT)
         put(self, "disturbances", tuple(self.disturbances))
         for k, disturbance in enumerate(self.disturbances):
             instance(f"disturbances[{k}]", disturbance, Disturbance, "Write Dipole(...), say.")
         if self.disturbances and self.field_N_uT is None:
             raise ValueError(
                 "disturbances need a magnetic field to disturb; give field_N_uT, microtesla in N."
+            )
+
+
+def _downwards(g_N: Array) -> None:
+    """Refuse gravity that points up: what an accelerometer at rest reads, or a vector in axes whose z is down."""
+    if g_N[2] > 0.0 and g_N[2] >= np.linalg.norm(g_N[:2]):
+        raise ValueError(
+            f"g_N must point down, and z of N is up: (0, 0, -{g_N[2]:.6g}); got {g_N.tolist()}. "
+            "An accelerometer at rest reads +g up, but gravity itself pulls down."
+        )
+
+
+def _in_microtesla(name: str, field: Array) -> None:
+    """Refuse a field that would be the Earth's, 20 to 70 microtesla, in another unit."""
+    strength = float(np.linalg.norm(field))
+    for unit, factor in _OTHER_UNITS.items():
+        if _EARTHS_FIELD[0] <= strength * factor <= _EARTHS_FIELD[1]:
+            raise ValueError(
+                f"{name} must be in microtesla; {strength:.4g} uT is not the Earth's field, {strength:.4g} {unit} "
+                f"is. Multiply it by {factor:g}."
             )

@@ -8,6 +8,7 @@ import numpy as np
 
 from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.checks import Array
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
@@ -62,7 +63,7 @@ class Facts:
     doubts: tuple[str, ...] = ()
 
 
-def facts(data: Poses | Motion | ImuRecording | AttitudeHistory | Reference) -> Facts:
+def facts(data: Poses | Motion | ImuRecording | ImuIncrements | AttitudeHistory | Reference) -> Facts:
     """Facts about `data`; nothing is changed and nothing refused."""
     clock = clock_of(data.t, data.t0_ns)
     if isinstance(data, AttitudeHistory | Reference):
@@ -72,6 +73,11 @@ def facts(data: Poses | Motion | ImuRecording | AttitudeHistory | Reference) -> 
         )
     if isinstance(data, ImuRecording):
         return Facts("ImuRecording", clock, _imu_contents(data), _imu_numbers(data), tuple(unit_doubts(data)))
+    if isinstance(data, ImuIncrements):
+        contents = ["turn", "velocity", *([] if data.dp is None else ["position"])]
+        means = data.mean_rates()
+        doubts = unit_doubts(means) if len(data) else []
+        return Facts("ImuIncrements", clock, tuple(contents), _sum_numbers(means), tuple(doubts))
     contents = ["position"]
     contents += ["attitude"] if data.R_NB is not None else []
     contents += ["velocity"] if data.v_NB is not None else []
@@ -164,6 +170,18 @@ def _imu_numbers(data: ImuRecording) -> dict[str, float]:
         numbers["magnetometer median uT"] = _median_norm(data.mag_uT)
         numbers["magnetometer rows"] = float(np.isfinite(data.mag_uT).all(axis=1).sum())
     return numbers
+
+
+def _sum_numbers(means: ImuRecording) -> dict[str, float]:
+    missing = ~(np.isfinite(means.gyro).all(axis=1) & np.isfinite(means.accel).all(axis=1))
+    return {
+        "intervals": float(len(means)),
+        "missing intervals": float(missing.sum()),
+        "mean rate median rad/s": _median_norm(means.gyro),
+        "mean rate largest rad/s": _largest_norm(means.gyro),
+        "mean force median m/s^2": _median_norm(means.accel),
+        "mean force largest m/s^2": _largest_norm(means.accel),
+    }
 
 
 def _pose_numbers(data: Poses | Motion) -> dict[str, float]:

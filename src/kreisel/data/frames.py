@@ -16,12 +16,15 @@ import numpy as np
 
 from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.checks import Array, choice
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.data.tables import CONSTANTS
 from kreisel.data.trajectory import Poses
 
-Data = TypeVar("Data", bound=Poses | Motion | ImuRecording | AttitudeHistory | Reference | Mount)
+Data = TypeVar(
+    "Data", bound=Poses | Motion | ImuRecording | ImuIncrements | AttitudeHistory | Reference | Mount
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +98,9 @@ def _turned(
         accel = body(data.accel, -1) * accel_sign
         sigmas = _sizes(data, dict.fromkeys(("gyro_sigma", "accel_sigma", *CONSTANTS), body))
         return replace(data, gyro=body(data.gyro, -1), accel=accel, mag_uT=mag_uT, **sigmas)
+    if isinstance(data, ImuIncrements):
+        dp = None if data.dp is None else body(data.dp, -1) * accel_sign
+        return replace(data, dtheta=body(data.dtheta, -1), dv=body(data.dv, -1) * accel_sign, dp=dp)
     if isinstance(data, Motion):
         return replace(
             data,

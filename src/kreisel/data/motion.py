@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.data.cards import Shown
 from kreisel.data.checks import Array, finite, increasing, read_only, rotations, same_length, shaped
 from kreisel.data.tables import Tabular
 from kreisel.maths.kinematics import Uncertainty, acceleration_sigma_at, motion_at
@@ -27,7 +28,7 @@ class Note:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Mount:
+class Mount(Shown):
     """Where a sensor sits on the body and how it is turned."""
 
     p_BS: Array = field(default_factory=lambda: np.zeros(3))  # (3,) m, lever arm in B

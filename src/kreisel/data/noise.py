@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from kreisel.data.cards import Shown
 from kreisel.data.checks import LARGEST, Array, per_axis
 
 ALLAN_FLOOR = float(np.sqrt(2.0 * np.log(2.0) / np.pi))
@@ -22,7 +23,7 @@ _UNITS = {
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class NoiseModel:
+class NoiseModel(Shown):
     """Noise of the three axes of one sensor; its unit is rad/s for a gyroscope, m/s^2 for an accelerometer.
 
     Every value is one number or one per axis, and (3,) once inside; zero where there is none or it is not known.

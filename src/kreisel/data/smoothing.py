@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from kreisel.data.cards import Shown
 from kreisel.data.checks import Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Smoothing:
+class Smoothing(Shown):
     """Noise and mistakes in samples of positions (m, along the axes of N) or attitudes (rad, about those of B)."""
 
     sigma: Array  # (3,) standard deviation of the noise that was taken out: as given, else as found

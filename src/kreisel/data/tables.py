@@ -11,11 +11,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.data.cards import Card, Shown, course, span
+
 if TYPE_CHECKING:
     import pandas
     import xarray
 
 AXES = ("x", "y", "z")
+
+_NOTES = 5
+"""Notes that a notebook shows below a table."""
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -46,6 +51,9 @@ QUANTITIES = MappingProxyType(
         "mag_uT": Quantity("mag", "uT", "S", "magnetic field"),
         "gyro_sigma": Quantity("gyro_sigma", "rad/s", "S", "standard error of gyro"),
         "accel_sigma": Quantity("accel_sigma", "m/s^2", "S", "standard error of accel"),
+        "dtheta": Quantity("dtheta", "rad", "S", "turn over the interval, as a rotation vector"),
+        "dv": Quantity("dv", "m/s", "S", "velocity gained over the interval, gravity not in it"),
+        "dp": Quantity("dp", "m", "S", "position gained over the interval beyond velocity and gravity"),
         "gyro_noise": Quantity("gyro_noise", "rad/s", "S", "deviation of the gyroscope's white noise"),
         "accel_noise": Quantity("accel_noise", "m/s^2", "S", "deviation of the accelerometer's white noise"),
         "mag_noise_uT": Quantity("mag_noise", "uT", "S", "deviation of the magnetometer's white noise"),
@@ -64,15 +72,25 @@ QUANTITIES = MappingProxyType(
 CONSTANTS = ("gyro_noise", "accel_noise", "mag_noise_uT")
 """Those of them with one value per axis, (3,), for all rows."""
 
+INCREMENTS = ("dtheta", "dv", "dp")
+"""Those of them with one row per interval, one fewer than there are stamps."""
 
-class Tabular:
+
+class Tabular(Shown):
     """What a noun of arrays over time gains: the tables others work with."""
 
     __slots__ = ()
 
+    def card(self) -> Card:
+        """One row per field: what it measures, in which unit and axes, and what it spans."""
+        t = self.t  # type: ignore[attr-defined]
+        notes = getattr(self, "notes", ())
+        return Card(course(self, t), ("", "unit", "frame", "span", "meaning"), _described(self), _said(notes))
+
     def to_pandas(self) -> pandas.DataFrame:
         """One row per time stamp, indexed by t in s; attitude as the quaternion q_w, q_x, q_y, q_z.
 
+        Increments stand at the end of their interval, and the row of the first stamp is NaN.
         `attrs` of the frame: noun, name, t0_ns, and by column `units` and `frames`; what is one value for all
         rows, such as gyro_noise, is there as well. Needs pandas: pip install 'kreisel[data]'.
         """
@@ -84,7 +102,7 @@ class Tabular:
             if name in CONSTANTS:
                 attrs[name] = array.tolist()
                 continue
-            for label, column in _columns(quantity.column, array):
+            for label, column in _columns(quantity.column, at_ends(name, array)):
                 columns[label] = column
                 attrs["units"][label] = quantity.unit
                 if quantity.frame:
@@ -96,6 +114,8 @@ class Tabular:
 
     def to_xarray(self) -> xarray.Dataset:
         """Every field to the bit under its own name, over the dimensions t, axis (x, y, z), row and column.
+
+        Increments are over the dimension interval, of which there is one fewer than t.
 
         Attributes of a variable: units, frame, long_name; of the dataset: noun, name, t0_ns and notes. Data with an
         epoch has `time`, datetime64[ns], beside t. Needs xarray: pip install 'kreisel[data]'.
@@ -118,6 +138,26 @@ def arrays_of(data: Any) -> Iterator[tuple[str, npt.NDArray[Any]]]:
         value = getattr(data, field.name)
         if isinstance(value, np.ndarray):
             yield field.name, value
+
+
+def at_ends(name: str, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """`array` with one row per stamp: increments at the end of their interval, NaN at the first stamp."""
+    return np.concatenate([np.full((1, 3), np.nan), array]) if name in INCREMENTS else array
+
+
+def _described(data: Any) -> Iterator[tuple[str, str, str, str, str]]:
+    for name, array in arrays_of(data):
+        quantity = QUANTITIES[name]
+        # Elements of a matrix of directions say nothing.
+        spanned = "" if array.ndim == 3 else span(array)
+        unit = "" if quantity.unit == "1" else quantity.unit
+        yield name, unit, quantity.frame, spanned, quantity.meaning
+
+
+def _said(notes: tuple[Any, ...]) -> tuple[str, ...]:
+    """The first notes, and how many there are beside them."""
+    texts = tuple(note.text for note in notes[:_NOTES])
+    return texts if len(notes) <= _NOTES else (*texts, f"and {len(notes) - _NOTES} more notes")
 
 
 def _about(data: Any) -> dict[str, Any]:
@@ -145,6 +185,8 @@ def _columns(stem: str, array: npt.NDArray[Any]) -> Iterator[tuple[str, npt.NDAr
 def _dimensions(name: str, array: npt.NDArray[Any]) -> tuple[str, ...]:
     if array.ndim == 1:
         return ("axis",) if name in CONSTANTS else ("t",)
+    if name in INCREMENTS:
+        return ("interval", "axis")
     return ("t", "axis") if array.ndim == 2 else ("t", "row", "column")
 
 

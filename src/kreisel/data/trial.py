@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from kreisel.data.attitude import Reference
+from kreisel.data.cards import Shown
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Trial:
+class Trial(Shown):
     """What a benchmark file holds: what the IMU said, and how it was turned in truth."""
 
     recording: ImuRecording

@@ -12,13 +12,15 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.data.cards import Card, Shown
 from kreisel.data.checks import Array, as_array, choice, finite, instance, read_only, scalar
 from kreisel.data.noise import NoiseModel
 from kreisel.data.recording import SOURCE, ImuRecording
+from kreisel.evaluate.noise_units import COEFFICIENT
 from kreisel.maths.allan import Sizes, overlapping_variances, terms, variance_forms
 from kreisel.maths.noise_likelihood import likeliest, lower_end, powers, upper_end, without
 
-SENSORS = ("gyro", "accel")
+SENSORS = ("gyro", "accel", "mag")
 TERMS = ("N", "B", "K")
 
 # Fewer leave no two cluster sizes to tell slopes by.
@@ -54,10 +56,10 @@ class AllanTerm:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class AllanFit:
-    """Allan deviation of one sensor at rest, with the noise read from it; unit u is rad/s or m/s^2."""
+class AllanFit(Shown):
+    """Allan deviation of one sensor at rest, with the noise read from it; unit u is rad/s, m/s^2 or uT."""
 
-    sensor: str  # "gyro" or "accel"
+    sensor: str  # "gyro", "accel" or "mag"
     name: str
     samples: int
     rate_hz: float
@@ -69,6 +71,15 @@ class AllanFit:
     B: AllanTerm  # u; the deviation's floor is 0.664 B
     K: AllanTerm  # u/sqrt(s)
 
+    def card(self) -> Card:
+        """The three terms per axis, with their 95 % intervals."""
+        rows = [
+            (f"{name}, {units[0].name}", *_told(getattr(self, name), units[0].factor))
+            for name, units in COEFFICIENT[self.sensor].items()
+        ]
+        title = f"AllanFit of {self.sensor}: {self.samples} samples at {self.rate_hz:.4g} Hz"
+        return Card(title, ("", "x", "y", "z"), rows, ("95 % intervals in brackets",))
+
     @property
     def noise(self) -> NoiseModel:
         """The terms that are visible, for a simulated sensor; what is not visible is zero."""
@@ -79,16 +90,24 @@ class AllanFit:
         return self.noise.allan_deviation(tau)
 
 
+def _told(term: AllanTerm, factor: float) -> list[str]:
+    """Value and interval per axis in a unit that is 1 / `factor` of SI's, or what a hidden term is less than."""
+    axes = zip(factor * term.value, factor * term.low, factor * term.high, term.visible, strict=True)
+    return [f"{v:.3g} ({a:.3g} to {b:.3g})" if shown else f"hidden, < {b:.3g}" for v, a, b, shown in axes]
+
+
 def allan(recording: ImuRecording, sensor: str = "gyro") -> AllanFit:
-    """Noise of `sensor` ("gyro" or "accel") of a `recording` at rest.
+    """Noise of `sensor` ("gyro", "accel" or "mag") of a `recording` at rest.
+
+    A magnetometer may be slower than the rest: rows in which it has no sample are left out.
 
     Raises ValueError for missing samples and gaps, naming where, an axis that never changes, and records of
     fewer than 32 samples. A sensor that was moved shows its motion as noise: nothing here can tell.
     """
     instance("recording", recording, ImuRecording, SOURCE)
     choice("sensor", sensor, SENSORS)
-    samples: Array = getattr(recording, sensor)
-    rate_hz = _even_rate(recording.t, sensor, samples)
+    t, samples = _readings(recording, sensor)
+    rate_hz = _even_rate(t, sensor, samples)
     variances, sizes = _variances(samples, default_sizes(len(samples)))
     still = ~(variances > 0.0).all(axis=0)
     if still.any():
@@ -139,6 +158,16 @@ def default_sizes(samples: int) -> Sizes:
 def _variances(samples: Array, sizes: Sizes) -> tuple[Array, Sizes]:
     columns = [overlapping_variances(np.ascontiguousarray(column), sizes) for column in samples.T]
     return np.column_stack(columns), sizes
+
+
+def _readings(recording: ImuRecording, sensor: str) -> tuple[Array, Array]:
+    """Stamps (n,) and samples (n, 3) of one sensor."""
+    if sensor != "mag":
+        return recording.t, getattr(recording, sensor)
+    if recording.mag_uT is None:
+        raise ValueError("this recording has no magnetometer.")
+    seen = np.isfinite(recording.mag_uT).all(axis=1)
+    return recording.t[seen], recording.mag_uT[seen]
 
 
 def _even_rate(t: Array, sensor: str, samples: Array) -> float:

@@ -13,6 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from kreisel.data.attitude import AttitudeHistory, Mask, Reference, mask
+from kreisel.data.cards import Card, Shown, course
 from kreisel.data.checks import Array, choice, finite, read_only, same_length, shaped
 from kreisel.data.motion import Motion
 from kreisel.data.trajectory import Poses
@@ -60,7 +61,7 @@ class Summary:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class AttitudeErrors:
+class AttitudeErrors(Shown):
     """Error of an estimated attitude at the stamps of the truth: R_est = Exp(dtheta_N) R_true."""
 
     t: Array  # (n,) s after t0_ns, stamps of the truth inside the estimate
@@ -83,6 +84,20 @@ class AttitudeErrors:
 
     def __len__(self) -> int:
         return len(self.t)
+
+    def card(self) -> Card:
+        """RMSE, mean, median, 95th percentile and largest of the three errors, in degrees."""
+        summary, statistics = self.summary(), ("rmse", "mean", "median", "p95", "max")
+        rows = [
+            (name, *(f"{getattr(summary, f'{name}_{key}_deg'):.4g}" for key in statistics))
+            for name in ("total", "heading", "inclination")
+        ]
+        aligned = (
+            "nothing was aligned" if self.align is None else f"after a constant {self.align} was taken off"
+        )
+        return Card(
+            course(self, self.t), ("error, deg", *statistics), rows, (f"{summary.samples} count; {aligned}",)
+        )
 
     @property
     def total(self) -> Array:

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from kreisel.data.cards import Card, Shown, course
 from kreisel.data.checks import SAME_INSTANT, Array, read_only
 from kreisel.data.motion import Motion
 from kreisel.maths.rotations import log_so3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class MotionErrors:
+class MotionErrors(Shown):
     """Estimate minus truth at the stamps of the truth, in N; attitude as R_est = Exp(dtheta_N) R_true."""
 
     t: Array  # (n,) s after t0_ns
@@ -24,6 +25,19 @@ class MotionErrors:
 
     def __len__(self) -> int:
         return len(self.t)
+
+    def card(self) -> Card:
+        """RMSE, the largest and the last of position, velocity and attitude."""
+        parts = (
+            ("position, m", self.position),
+            ("velocity, m/s", self.velocity),
+            ("attitude, rad", self.attitude),
+        )
+        rows = [
+            (name, *(f"{value:.3g}" for value in (np.sqrt(np.mean(np.square(x))), x.max(), x[-1])))
+            for name, x in parts
+        ]
+        return Card(course(self, self.t), ("error", "rmse", "max", "at the end"), rows)
 
     @property
     def position(self) -> Array:

@@ -1,4 +1,4 @@
-"""Turns noise coefficients in SI units into those of datasheets: deg/s/sqrt(Hz), deg/h, ug and their like."""
+"""Turns noise coefficients in SI units into those of datasheets: deg/s/sqrt(Hz), deg/h, ug, nT and their like."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ class Unit:
 READING = {
     "gyro": (Unit("deg/s", _DEG), Unit("deg/h", 3600.0 * _DEG)),
     "accel": (Unit("m/s^2", 1.0), Unit("ug", _UG)),
+    "mag": (Unit("uT", 1.0), Unit("nT", 1e3)),
 }
 """Units of readings, and of their Allan deviation, by sensor."""
 
@@ -35,6 +36,11 @@ COEFFICIENT = {
         "N": (Unit("ug/sqrt(Hz)", _UG), Unit("m/s/sqrt(h)", 60.0)),
         "B": (Unit("ug", _UG),),
         "K": (Unit("ug/sqrt(s)", _UG), Unit("ug/sqrt(h)", 60.0 * _UG)),
+    },
+    "mag": {
+        "N": (Unit("uT/sqrt(Hz)", 1.0), Unit("nT/sqrt(Hz)", 1e3)),
+        "B": (Unit("nT", 1e3),),
+        "K": (Unit("nT/sqrt(s)", 1e3),),
     },
 }
 """Units of N, B and K by sensor, the commonest first."""

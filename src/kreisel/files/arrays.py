@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +16,10 @@ import numpy.typing as npt
 
 from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.checks import Array, choice, radians, unit_quaternions
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Note
 from kreisel.data.recording import ImuRecording
+from kreisel.data.tables import INCREMENTS
 from kreisel.data.trajectory import Poses
 from kreisel.files.formats import Noun, ReadOptions
 from kreisel.maths.rotations import matrix_from_euler, matrix_from_quat_wxyz
@@ -25,7 +27,7 @@ from kreisel.maths.rotations import matrix_from_euler, matrix_from_quat_wxyz
 SCHEMA = "kreisel_schema"
 VERSION = 1
 NOUNS: dict[str, type[Noun]] = {
-    noun.__name__: noun for noun in (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
+    noun.__name__: noun for noun in (Poses, Motion, ImuRecording, ImuIncrements, AttitudeHistory, Reference)
 }
 
 # What others call our arrays, in the order of preference. s and phi are the names of the source
@@ -41,9 +43,15 @@ FOREIGN: dict[str, tuple[str, ...]] = {
     "gyro": ("gyro", "gyr", "imu_gyr"),
     "accel": ("accel", "acc", "imu_acc"),
     "mag_uT": ("mag_uT", "mag", "imu_mag"),
+    "dtheta": ("dtheta", "delta_theta", "delta_angle"),
+    "dv": ("dv", "delta_v", "delta_velocity"),
+    "dp": ("dp",),
     "rate_hz": ("rate_hz", "sampling_rate", "fs", "Fs"),
 }
+_NEEDED = {"poses": {"p_NB"}, "imu": {"gyro", "accel"}, "increments": {"dtheta", "dv"}}
+_CALLED = {"poses": "positions", "imu": "IMU data", "increments": "increments"}
 _WIDTHS = {"p_NB": 3, "phi": 3, "v_NB": 3, "gyro": 3, "accel": 3, "mag_uT": 3, "quat_wxyz": 4}
+_WIDTHS |= dict.fromkeys(INCREMENTS, 3)
 
 
 def to_arrays(data: Noun) -> dict[str, npt.NDArray[Any]]:
@@ -111,24 +119,39 @@ def _foreign(path: Path, arrays: Mapping[str, Any], options: ReadOptions) -> Nou
         name = next((name for name in theirs if name in arrays), None)
         if name is not None:
             found[ours] = _rows(name, arrays[name], _WIDTHS.get(ours))
-    imu, poses = "gyro" in found and "accel" in found, "p_NB" in found
-    if imu and poses and options.kind is None:
-        raise ValueError("has both positions and IMU data. Say which: kind='poses' or kind='imu' (--kind).")
+    kinds = [kind for kind, names in _NEEDED.items() if found.keys() >= names]
     attitude = _attitude(found)
-    if attitude is not None and (options.kind == "attitude" or not (imu or poses)):
+    if attitude is not None and (options.kind == "attitude" or not kinds):
         t = _time(found, len(attitude), options)
         return AttitudeHistory(t, attitude, name=path.stem)
-    if not imu and not poses:
+    if not kinds:
         listed = ", ".join(sorted(name for name in arrays if not name.startswith("__"))) or "nothing"
         raise ValueError(
-            "needs positions (p_NB or s), attitude (quat_wxyz or R_NS) or an IMU (gyro and accel); "
-            f"it has: {listed}. Rename yours."
+            "needs positions (p_NB or s), attitude (quat_wxyz or R_NS), an IMU (gyro and accel) or increments "
+            f"(dtheta and dv); it has: {listed}. Rename yours."
         )
-    if imu and (options.kind == "imu" or not poses):
+    kind = chosen_kind(kinds, options.kind)
+    if kind == "increments":
+        t = _time(found, len(found["dtheta"]) + 1, options)
+        return ImuIncrements(t, found["dtheta"], found["dv"], found.get("dp"), name=path.stem)
+    if kind == "imu":
         t = _time(found, len(found["gyro"]), options)
         return ImuRecording(t, found["gyro"], found["accel"], found.get("mag_uT"), name=path.stem)
     t = _time(found, len(found["p_NB"]), options)
     return Poses(t, found["p_NB"], attitude, found.get("v_NB"), name=path.stem)
+
+
+def chosen_kind(kinds: Sequence[str], asked: str | None) -> str:
+    """The kind to read from a file that has `kinds`, in the order of preference; ValueError where nothing decides."""
+    if len(kinds) > 1 and asked is None:
+        named = [_CALLED[kind] for kind in kinds]
+        raise ValueError(
+            f"has both {' and '.join(named)}. Say which: "
+            f"{' or '.join(f'kind={kind!r}' for kind in kinds)} (--kind)."
+        )
+    # Increments serve as an IMU's mean rates.
+    wanted = ("imu", "increments") if asked == "imu" else (asked,)
+    return next((kind for kind in kinds if kind in wanted), kinds[0])
 
 
 def _rows(name: str, value: Any, width: int | None) -> Array:

@@ -20,6 +20,9 @@ GROUPS: dict[str, tuple[tuple[str, ...], str, str]] = {
     "alpha": (("alpha_x", "alpha_y", "alpha_z"), "angular acceleration", "rad/s^2"),
     "gyro": (("gyro_x", "gyro_y", "gyro_z"), "rate", "rad/s"),
     "accel": (("accel_x", "accel_y", "accel_z"), "acceleration", "m/s^2"),
+    "dtheta": (("dtheta_x", "dtheta_y", "dtheta_z"), "angle", "rad"),
+    "dv": (("dv_x", "dv_y", "dv_z"), "speed", "m/s"),
+    "dp": (("dp_x", "dp_y", "dp_z"), "length", "m"),
     "mag": (("mag_x", "mag_y", "mag_z"), "field", "uT"),
     "gyro_bias": (("gyro_bias_x", "gyro_bias_y", "gyro_bias_z"), "rate", "rad/s"),
     # Not plain sigma_x: elsewhere that is the uncertainty of a position.
@@ -48,6 +51,8 @@ _STEMS = {
     "gyro": ("g", "w", "gyr", "gyro", "gyroscope", "angular_velocity", "w_rs_s"),
     "accel": ("acc", "accel", "accelerometer", "a_rs_s"),
     "mag": ("m", "mag", "magnetometer"),
+    "dtheta": ("delta_theta", "delta_angle"),
+    "dv": ("delta_v", "delta_velocity"),
 }
 
 

@@ -16,6 +16,7 @@ from kreisel import discovery
 from kreisel.atomic import new_folder, replacing
 from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.checks import choice
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
@@ -29,6 +30,7 @@ KINDS = {
     "poses": "poses",
     "motion": "a complete motion",
     "imu": "an IMU recording",
+    "increments": "IMU increments",
     "attitude": "attitude over time",
     "reference": "a reference attitude",
     "trial": "a trial (an IMU recording and a reference)",
@@ -38,6 +40,7 @@ _KIND_OF = {
     Poses: "poses",
     Motion: "motion",
     ImuRecording: "imu",
+    ImuIncrements: "increments",
     AttitudeHistory: "attitude",
     Reference: "reference",
     Trial: "trial",
@@ -78,14 +81,15 @@ def read(
     times: PathLike | None = None,
     topic: str | Sequence[str] = (),
 ) -> Content:
-    """What a file holds: Poses, Motion, ImuRecording, AttitudeHistory, Reference or Trial.
+    """What a file holds: Poses, Motion, ImuRecording, ImuIncrements, AttitudeHistory, Reference or Trial.
 
     SI units, in the axes of the file.
 
     path : the file, or the folder of a ROS 2 bag. Other worlds than ENU/FLU are turned with `to_enu_flu` afterwards.
     format : one of `format_names()`, such as "csv"; None to tell by suffix and content.
-    kind : "poses", "motion", "imu", "attitude", "reference" or "trial" to insist on one. A motion is taken
-        as poses, a motion or poses as attitude, and of a trial the recording, the reference or the poses.
+    kind : "poses", "motion", "imu", "increments", "attitude", "reference" or "trial" to insist on one. A motion is
+        taken as poses, a motion or poses as attitude, increments as the mean rates of an IMU, and of a trial the
+        recording, the reference or the poses.
     columns : for csv, our name -> the file's header, its unit in brackets where the header has none:
         ``{"t": "Time [ms]", "p_x": "X [mm]"}``; "#3" is the third column.
     rate_hz, times : for files without time, the rate in Hz or a file with one stamp in seconds per row.
@@ -118,19 +122,21 @@ def write(path: PathLike, data: Noun, format: str | None = None) -> None:
     Raises ValueError where the format cannot hold the data, OSError where the place cannot be written.
     """
     if not isinstance(data, Noun):
-        nouns = "Poses, Motion, ImuRecording, AttitudeHistory or Reference"
+        nouns = "Poses, Motion, ImuRecording, ImuIncrements, AttitudeHistory or Reference"
         raise TypeError(f"data must be {nouns}; got {type(data).__name__}.")
-    if not format:
-        module = _by_suffix(Path(path))
-    else:
-        # One that is only read has a word of its own to say.
-        module = format_named(
-            format if format in format_names() else choice("format", format, writable_names())
-        )
+    module = format_to_write(path, format)
     if len(data) == 0:
         raise ValueError(f"nothing to write to {path}: the data has no rows.")
     with new_folder(path) if _is_folder(module) else replacing(path) as out:
         module.write(data, out)
+
+
+def format_to_write(path: PathLike, format: str | None = None) -> ModuleType:
+    """The format named, else that of the suffix of `path`; ValueError with the nearest name where there is none."""
+    if not format:
+        return _by_suffix(Path(path))
+    # One that is only read has a word of its own to say.
+    return format_named(format if format in format_names() else choice("format", format, writable_names()))
 
 
 def _is_folder(module: ModuleType) -> bool:
@@ -230,6 +236,8 @@ def _as_kind(data: Content, kind: str | None, path: Path) -> Content:
         return AttitudeHistory(data.t, data.R_NB, t0_ns=data.t0_ns, name=data.name)
     if isinstance(data, Motion) and kind == "poses":
         return Poses(data.t, data.p_NB, data.R_NB, data.v_NB, data.t0_ns, data.name)
+    if isinstance(data, ImuIncrements) and kind == "imu":
+        return data.mean_rates()
     if isinstance(data, Trial) and kind == "imu":
         return data.recording
     if isinstance(data, Trial) and kind == "reference":

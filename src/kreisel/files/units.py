@@ -23,12 +23,25 @@ class Scale:
 
 
 _DEGREE = Scale(math.pi, 180.0)
+_ARC_SECOND = Scale(math.pi, 648_000.0)
 
 UNITS: dict[str, dict[str, Scale]] = {
     "time": {"s": Scale(), "ms": Scale(1, 1e3), "us": Scale(1, 1e6), "ns": Scale(1, 1e9)},
     "length": {"m": Scale(), "mm": Scale(1, 1e3), "cm": Scale(1, 1e2), "km": Scale(1e3)},
-    "angle": {"rad": Scale(), "deg": _DEGREE, "mrad": Scale(1, 1e3)},
-    "speed": {"m/s": Scale(), "mm/s": Scale(1, 1e3), "cm/s": Scale(1, 1e2), "km/h": Scale(1, 3.6)},
+    "angle": {
+        "rad": Scale(),
+        "deg": _DEGREE,
+        "mrad": Scale(1, 1e3),
+        "urad": Scale(1, 1e6),
+        "arcsec": _ARC_SECOND,
+    },
+    "speed": {
+        "m/s": Scale(),
+        "mm/s": Scale(1, 1e3),
+        "cm/s": Scale(1, 1e2),
+        "km/h": Scale(1, 3.6),
+        "g*s": Scale(STANDARD_GRAVITY),
+    },
     "acceleration": {
         "m/s^2": Scale(),
         "g": Scale(STANDARD_GRAVITY),
@@ -46,14 +59,20 @@ UNITS: dict[str, dict[str, Scale]] = {
         "gauss": Scale(1e2),
         "mgauss": Scale(1, 10),
     },
+    "temperature": {"degC": Scale()},
     "number": {"": Scale(), "1": Scale()},
 }
 """Units of each kind of quantity; ours comes first."""
 
 _OTHER_SPELLINGS = {
     "dps": "deg/s",
+    "C": "degC",
+    "degc": "degC",
+    "celsius": "degC",
     "mdps": "mdeg/s",
     "microtesla": "uT",
+    "arcs": "arcsec",
+    "gs": "g*s",
     "G": "gauss",
     "Gs": "gauss",
     "mG": "mgauss",

@@ -21,6 +21,15 @@ def add_waves(x: Array, t: Array, frequency: Array, cosines: Array, sines: Array
     return out
 
 
+def add_mean_waves(x: Array, t: Array, dt: Array, frequency: Array, cosines: Array, sines: Array) -> Array:
+    """x (n, 3) plus the means of the same waves from t - dt to t, both (n,) s: the integral of each over its dt."""
+    omega = 2.0 * np.pi * frequency[:, None]
+    # The integral of a cos + b sin is (a sin - b cos) / omega.
+    integral = (frequency, -sines / omega, cosines / omega)
+    area = add_waves(np.zeros_like(x), t, *integral) - add_waves(np.zeros_like(x), t - dt, *integral)
+    return np.asarray(x + area / dt[:, None])
+
+
 @kernel
 def _add_waves(t: Array, frequency: Array, cosines: Array, sines: Array, out: Array) -> None:
     angle, sine, cosine = np.empty(t.shape[0]), np.empty(t.shape[0]), np.empty(t.shape[0])

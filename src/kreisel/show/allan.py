@@ -14,7 +14,7 @@ from kreisel.evaluate.allan import TERMS, AllanFit
 from kreisel.evaluate.noise_units import COEFFICIENT, READING
 from kreisel.show import style
 
-_SENSOR = {"gyro": "gyroscope", "accel": "accelerometer"}
+_SENSOR = {"gyro": "gyroscope", "accel": "accelerometer", "mag": "magnetometer"}
 
 _FLOOR = float(np.sqrt(2.0 * np.log(2.0) / np.pi))
 

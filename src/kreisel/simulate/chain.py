@@ -3,18 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from kreisel.data.checks import Array
 from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.random import Stream
+from kreisel.simulate.clock import Rows
 from kreisel.simulate.context import Context
 from kreisel.simulate.effects import Effect
 
 BLOCK = 8192
 """Samples per block: a block and its copies fit the second-level cache."""
+
+
+class Felt(NamedTuple):
+    """What a perfect sensor hands on to its effects."""
+
+    reading: Array  # (n, 3)
+    rows: Rows  # of the motion, at whose times it reads so
+    dt: Array  # (n,) s, since the reading before
+    force: Array  # (n, 3) m/s^2, specific force at the mount
+    averaged: bool = False  # whether each reading is the mean over its dt
 
 
 class Sensed(NamedTuple):
@@ -85,3 +96,24 @@ def _add_difference(after: Array, before: Array, total: Array) -> None:
 def _bias_follows(acting: Sequence[tuple[Effect, Stream]], k: int) -> bool:
     """Whether the next effect is a bias too: those that follow each other are taken together."""
     return k + 1 < len(acting) and acting[k + 1][0].is_bias
+
+
+def checked_effects(field_name: str, given: Any) -> tuple[Effect, ...]:
+    """The effects in `given`; TypeError for anything else in it, such as a class that nobody made an effect of."""
+    each = tuple(given) if isinstance(given, Iterable) else (given,)
+    strange = [x for x in each if isinstance(x, type) or not callable(getattr(x, "apply", None))]
+    if strange or not isinstance(given, Iterable):
+        x = strange[0] if strange else given
+        got = f"the class {x.__name__}" if isinstance(x, type) else type(x).__name__
+        raise TypeError(f"{field_name} must be a list of effects, such as [WhiteNoise(1e-4)]; got {got}.")
+    _check_names(field_name, [effect.name for effect in each])
+    return each
+
+
+def _check_names(field_name: str, names: list[str]) -> None:
+    repeated = sorted({name for name in names if names.count(name) > 1})
+    if repeated:
+        raise ValueError(
+            f"{field_name} has two effects called {repeated[0]!r}, which would draw the same numbers; "
+            f'give one another name, as in name="{repeated[0]}_2".'
+        )

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.data.cards import Shown
 from kreisel.data.checks import Array, read_only, scalar
 from kreisel.maths.random import Stream
 from kreisel.maths.window import mean_over_window
@@ -47,10 +48,10 @@ class Sampling:
         period = np.floor((t - t[0]) * self.rate + 1e-6)
         return np.flatnonzero(np.diff(period, prepend=-1.0) > 0.0)
 
-    def collect(self, t: Array, x: Array, rows: Rows) -> Array:
-        """Readings (m, 3) at `rows` from the ideal ones x (n, 3) at times t (n,) s."""
+    def check(self, t: Array) -> None:
+        """ValueError for times t (n,) s between which nothing can be so late, or collected for so long."""
         if self.latency == 0.0 and self.window == 0.0:
-            return x[rows]
+            return
         if len(t) < 4:
             raise ValueError(f"latency and window need a motion of four samples or more; got {len(t)}.")
         back, span = self.latency + self.window, float(t[-1] - t[0])
@@ -58,11 +59,17 @@ class Sampling:
             raise ValueError(
                 f"latency and window, {back:g} s together, reach back beyond the whole motion of {span:g} s."
             )
+
+    def collect(self, t: Array, x: Array, rows: Rows) -> Array:
+        """Readings (m, 3) at `rows` from the ideal ones x (n, 3) at times t (n,) s."""
+        if self.latency == 0.0 and self.window == 0.0:
+            return x[rows]
+        self.check(t)
         return mean_over_window(t, x, t[rows] - self.latency, self.window)
 
 
 @dataclass(frozen=True, slots=True)
-class Clock:
+class Clock(Shown):
     """What an IMU's clock makes of time.
 
     offset: s, and rate_offset (5e-5 is 50 ppm, fast): true time t is stamped t + offset + rate_offset (t - t[0]).
@@ -88,17 +95,37 @@ class Clock:
         ):
             object.__setattr__(self, name, scalar(name, getattr(self, name), unit, *bounds))
 
-    def stamps(self, t: Array, stream: Stream) -> Array:
-        """Stamps (n,) s, strictly increasing, of samples taken at true times t (n,) s."""
-        stamped = t + self.offset + self.rate_offset * (t - t[0])
-        if self.jitter == 0.0:
-            return stamped if self.offset or self.rate_offset else t
-        shortest = float(np.diff(stamped).min())
-        if not 2.0 * self.jitter < shortest:
+    def check_contiguous(self) -> None:
+        """Refuse what increments, which span all the time between the stamps, cannot be sampled by."""
+        for sensor in ("gyro", "accel"):
+            if getattr(self, sensor) != Sampling():
+                raise ValueError(
+                    f"increments follow each other without a gap, from stamp to stamp of the motion: rate, latency and "
+                    f"window of clock.{sensor} do not apply. Leave its Sampling out, and sample the motion at the rate "
+                    "at which the unit delivers."
+                )
+
+    def check(self, t: Array) -> None:
+        """ValueError for times t (n,) s that do not suit the jitter, or the sampling of a sensor."""
+        for sensor in (self.gyro, self.accel, self.mag):
+            sensor.check(t)
+        shortest = float(np.diff(self._steady(t)).min(initial=np.inf))
+        if self.jitter and not 2.0 * self.jitter < shortest:
             raise ValueError(
                 f"jitter must be below half the shortest step, {0.5 * shortest:.3g} s, or stamps would run back; "
                 f"got {self.jitter:g} s."
             )
+
+    def _steady(self, t: Array) -> Array:
+        """Stamps without jitter."""
+        return t + self.offset + self.rate_offset * (t - t[0]) if self.offset or self.rate_offset else t
+
+    def stamps(self, t: Array, stream: Stream) -> Array:
+        """Stamps (n,) s, strictly increasing, of samples taken at true times t (n,) s."""
+        self.check(t)
+        stamped = self._steady(t)
+        if self.jitter == 0.0:
+            return stamped
         return stamped + self.jitter * (2.0 * stream.uniforms(0, len(t), 1, JITTER)[:, 0] - 1.0)
 
     def lost(self, count: int, stream: Stream) -> npt.NDArray[np.bool_]:
@@ -119,6 +146,13 @@ def steps(t: Array) -> Array:
 def count(rows: Rows) -> int:
     """How many samples `rows` picks."""
     return rows.stop - rows.start if isinstance(rows, slice) else len(rows)
+
+
+def part(rows: Rows, block: slice) -> Rows:
+    """Those of `rows` that a block of them, counted from their first, holds."""
+    return (
+        slice(rows.start + block.start, rows.start + block.stop) if isinstance(rows, slice) else rows[block]
+    )
 
 
 def spread(x: Array, rows: Rows, n: int) -> Array:

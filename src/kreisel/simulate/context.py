@@ -21,6 +21,7 @@ class Context:
 
     sensor: "gyro", "accel" or "mag_uT". first: number of the block's first sample, counted from the start
     of the recording. dt: time since the sample before; the first sample of all has that of the second.
+    averaged: each reading is the mean over its dt, which ends at t, as in a unit that adds up inside.
     """
 
     sensor: str
@@ -33,6 +34,7 @@ class Context:
     body: Motion  # whole motion of the body
     rows: slice | np.ndarray  # rows of `body` that belong to this block
     history: TemperatureHistory | None = None
+    averaged: bool = False
 
     @property
     def motion(self) -> Motion:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kreisel.data.cards import Shown
 from kreisel.data.checks import Array, choice, instance, read_only, whole_number
 from kreisel.data.environment import Environment
 from kreisel.data.increments import ImuIncrements
@@ -18,13 +20,13 @@ from kreisel.data.tables import CONSTANTS
 from kreisel.data.temperature import TemperatureHistory
 from kreisel.maths.kinematics import specific_force, specific_force_sigma
 from kreisel.maths.random import seed_from, stream
-from kreisel.maths.rotations import log_so3
-from kreisel.maths.turning import State, falls, felt_acceleration, felt_rate, standing_still
-from kreisel.simulate.chain import BLOCK, Sensed, read, sense
-from kreisel.simulate.clock import Clock, Rows, Sampling, count, spread, steps
+from kreisel.maths.turning import felt_acceleration, felt_rate
+from kreisel.simulate.chain import BLOCK, Felt, Sensed, checked_effects, read, sense
+from kreisel.simulate.clock import Clock, Sampling, count, part, spread, steps
 from kreisel.simulate.context import Context
 from kreisel.simulate.effects import Effect
 from kreisel.simulate.effects.white_noise import WhiteNoise
+from kreisel.simulate.increments import added_up, ideal_increments
 from kreisel.simulate.recorded import Recorded
 
 if TYPE_CHECKING:
@@ -33,12 +35,15 @@ if TYPE_CHECKING:
 
 SENSORS = ("gyro", "accel", "mag_uT")
 
+# Increments are sums of what these read.
+_SUMS = MappingProxyType({"dtheta": "gyro", "dv": "accel"})
+
 # m; there the plumb line leans by 1 deg against that of the origin, 300 times what the centrifugal term varies.
 FARTHEST = 1e5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Imu:
+class Imu(Shown):
     """An inertial measurement unit at a place on the body.
 
     The effects of a sensor act in the order given, from the outer world to the output: commonly
@@ -62,7 +67,7 @@ class Imu:
                 "temperature", self.temperature, TemperatureHistory, "Write TemperatureHistory(t, degC)."
             )
         for name in ("gyro_effects", "accel_effects", "mag_effects"):
-            object.__setattr__(self, name, _effects(name, getattr(self, name)))
+            object.__setattr__(self, name, checked_effects(name, getattr(self, name)))
         if self.mag_effects and self.environment.field_N_uT is None:
             raise ValueError(
                 "mag_effects need a magnetic field to act on; give environment=Environment(field_N_uT=...)."
@@ -75,6 +80,7 @@ class Imu:
         mount: Mount | None = None,
         environment: Environment | None = None,
         clock: Clock | None = None,
+        temperature: TemperatureHistory | None = None,
         **values: Any,
     ) -> Imu:
         """An IMU from the numbers of its datasheet, each under a name that wears its unit.
@@ -85,7 +91,7 @@ class Imu:
         """
         from kreisel.simulate.datasheet import triads
 
-        return cls._of(triads(values), mount, environment, clock)
+        return cls._of(triads(values), mount, environment, clock, temperature)
 
     @classmethod
     def from_preset(
@@ -95,16 +101,21 @@ class Imu:
         mount: Mount | None = None,
         environment: Environment | None = None,
         clock: Clock | None = None,
+        temperature: TemperatureHistory | None = None,
+        **values: Any,
     ) -> Imu:
         """The IMU of a datasheet that comes along, such as "bmi088", or of a preset file "mine.toml".
 
+        values: numbers as `from_datasheet` takes them, in place of the preset's or beside them.
         Its magnetometer reads where `environment` has a field; one without a magnetometer then has a perfect one.
 
-        Raises ValueError with the nearest name where there is no such preset.
+        Raises ValueError with the nearest name where there is no such preset, and as `from_datasheet` does.
         """
+        from kreisel.simulate.datasheet import completed, triads
         from kreisel.simulate.presets import load
 
-        return cls._of(load(name).triads(), mount, environment, clock)
+        made = triads(completed(load(name).values, values))
+        return cls._of(made, mount, environment, clock, temperature)
 
     @classmethod
     def from_noise(
@@ -115,12 +126,14 @@ class Imu:
         mount: Mount | None = None,
         environment: Environment | None = None,
         clock: Clock | None = None,
+        temperature: TemperatureHistory | None = None,
     ) -> Imu:
         """An IMU with the noise of a gyroscope (rad/s) and an accelerometer (m/s^2), and no other errors."""
         from kreisel.simulate.datasheet import Triads
         from kreisel.simulate.triad import Triad
 
-        return cls._of(Triads(Triad(gyro), Triad(accel), Triad()), mount, environment, clock)
+        triads = Triads(Triad(gyro), Triad(accel), Triad())
+        return cls._of(triads, mount, environment, clock, temperature)
 
     @classmethod
     def _of(
@@ -129,6 +142,7 @@ class Imu:
         mount: Mount | None,
         environment: Environment | None,
         clock: Clock | None,
+        temperature: TemperatureHistory | None,
     ) -> Imu:
         environment = environment or Environment()
         in_a_field = environment.field_N_uT is not None
@@ -139,6 +153,7 @@ class Imu:
             triads.mag.effects() if in_a_field else (),
             environment=environment,
             clock=clock or Clock(),
+            temperature=temperature,
         )
 
     def ideal(self, motion: Motion) -> ImuRecording:
@@ -200,21 +215,7 @@ class Imu:
         From attitude, velocity and position at both ends of each interval, not from rates: as exact as these.
         """
         self._check_motion(motion)
-        t, world, at_sensor = motion.t, self.environment, motion.at(self.mount)
-        seen_from_N = State(at_sensor.p_NB, at_sensor.v_NB, at_sensor.R_NB)
-        p, v, R = standing_still(t, seen_from_N, world.omega_IN_N)
-        dv_g, dp_g = falls(t, world.g_N, world.omega_IN_N)
-        v_gain = np.diff(v, axis=0) - dv_g
-        p_gain = np.diff(p, axis=0) - np.diff(t)[:, None] * v[:-1] - dp_g
-        R_back = np.swapaxes(R[:-1], -1, -2)
-        return ImuIncrements(
-            t=motion.t,
-            dtheta=log_so3(R_back @ R[1:]),
-            dv=np.einsum("nij,nj->ni", R_back, v_gain),
-            dp=np.einsum("nij,nj->ni", R_back, p_gain),
-            t0_ns=motion.t0_ns,
-            name=self.mount.name,
-        )
+        return ideal_increments(motion.at(self.mount), self.environment, self.mount.name)
 
     def record(
         self,
@@ -223,7 +224,7 @@ class Imu:
         run: int = 0,
         *,
         ideal: ImuRecording | None = None,
-    ) -> Recorded:
+    ) -> Recorded[ImuRecording]:
         """What this IMU reads at the times of `motion`, with its biases and, when asked for, every error it made.
 
         rng: a seed, or a generator from which one is drawn. run: number of the run in an ensemble of one seed.
@@ -258,6 +259,7 @@ class Imu:
             gyro_bias=read_only(sensed["gyro"].bias),
             accel_bias=read_only(sensed["accel"].bias),
             disturbance_N_uT=self._disturbance(motion),
+            temperature_degC=None if self.temperature is None else read_only(self.temperature.at(motion.t)),
             seed=seed,
             run=run,
             replay=partial(self._errors, motion, ideal, seed, run),
@@ -273,20 +275,51 @@ class Imu:
         """
         self._check(motion)
         for sensor, readings in out.items():
-            effects, sampling = self._parts(sensor)
-            rows = sampling.rows(motion.t)
-            collected = sampling.collect(motion.t, getattr(ideal, sensor), rows)
-            contexts = list(self._contexts(sensor, motion, ideal, rows))
-            whole = isinstance(rows, slice)
+            felt = self._felt(sensor, motion, ideal)
+            contexts = list(self._contexts(sensor, motion, felt))
+            whole = isinstance(felt.rows, slice)
             for (seed, run), reading in zip(draws, readings, strict=True):
-                found = reading if whole else np.empty_like(collected)
+                found = reading if whole else np.empty_like(felt.reading)
                 stream_of = partial(stream, seed, run, f"{self.mount.name}/{sensor}")
-                read(effects, collected, contexts, stream_of, found)
+                read(self._parts(sensor)[0], felt.reading, contexts, stream_of, found)
                 if not whole:
-                    reading[:] = spread(found, rows, len(motion))
+                    reading[:] = spread(found, felt.rows, len(motion))
                 if self.clock.loss:
                     lost = self.clock.lost(len(motion), stream(seed, run, self.mount.name, "clock"))
                     reading[lost] = np.nan
+
+    def record_increments(
+        self, motion: Motion, rng: int | np.random.Generator, run: int = 0
+    ) -> Recorded[ImuIncrements]:
+        """What this IMU delivers where it adds up inside: the increments between the times of `motion`, with errors.
+
+        The mean rate and the mean specific force of every interval go through the same effects as the samples of
+        `record`, with draws addressed alike, and are multiplied by its length again: white noise of density N makes
+        an angle random walk of N sqrt(t), and what is drawn once per run is what `record` draws with that seed.
+        Vibration is averaged over each interval. Range and Quantisation act on the means,
+        IncrementQuantisation on the sums. With an error in them increments have no dp, as nothing measures it.
+        A magnetometer has no increments: what it would read is left out.
+
+        Raises ValueError as `record` does, and for a clock by which a sensor has a rate, a latency or a window.
+        """
+        self._check(motion)
+        self.clock.check_contiguous()
+        seed, run = seed_from(rng), whole_number("run", run)
+        ideal = self.increments(motion)
+        gyro, accel = (self._sense(sensor, motion, ideal, seed, run) for sensor in _SUMS.values())
+        clock_stream = stream(seed, run, self.mount.name, "clock")
+        stamps = self.clock.stamps(motion.t, clock_stream)
+        lost = self.clock.lost(len(ideal), clock_stream)
+        exact = all(effect.idle for effect in (*self.gyro_effects, *self.accel_effects))
+        return Recorded(
+            measured=added_up(ideal, gyro.reading, accel.reading, stamps, lost, exact),
+            ideal=ideal,
+            gyro_bias=read_only(gyro.bias),
+            accel_bias=read_only(accel.bias),
+            seed=seed,
+            run=run,
+            replay=partial(self._errors_of_sums, motion, ideal, seed, run),
+        )
 
     def _disturbance(self, motion: Motion) -> Array | None:
         if not self.environment.disturbances:
@@ -304,21 +337,40 @@ class Imu:
         self._sense(sensor, motion, ideal, seed, run, errors)
         return {name: spread(added, rows, len(motion)) for name, added in errors.items()}
 
+    def _errors_of_sums(
+        self, motion: Motion, ideal: ImuIncrements, seed: int, run: int, sensor: str
+    ) -> dict[str, Array]:
+        effects, _ = self._parts(_SUMS[choice("sensor", sensor, list(_SUMS))])
+        errors = {effect.name: np.zeros((len(ideal), 3)) for effect in effects}
+        self._sense(_SUMS[sensor], motion, ideal, seed, run, errors)
+        dt = np.diff(motion.t)[:, None]
+        return {name: added * dt for name, added in errors.items()}
+
     def _sense(
         self,
         sensor: str,
         motion: Motion,
-        ideal: ImuRecording,
+        ideal: ImuRecording | ImuIncrements,
         seed: int,
         run: int,
         errors: Mapping[str, Array] | None = None,
     ) -> Sensed:
-        effects, sampling = self._parts(sensor)
-        rows = sampling.rows(motion.t)
-        collected = sampling.collect(motion.t, getattr(ideal, sensor), rows)
+        effects, _ = self._parts(sensor)
+        felt = self._felt(sensor, motion, ideal)
         stream_of = partial(stream, seed, run, f"{self.mount.name}/{sensor}")
-        sensed = sense(effects, collected, self._contexts(sensor, motion, ideal, rows), stream_of, errors)
-        return Sensed(*(spread(column, rows, len(motion)) for column in sensed))
+        sensed = sense(effects, felt.reading, self._contexts(sensor, motion, felt), stream_of, errors)
+        return Sensed(*(spread(column, felt.rows, len(motion)) for column in sensed))
+
+    def _felt(self, sensor: str, motion: Motion, ideal: ImuRecording | ImuIncrements) -> Felt:
+        if isinstance(ideal, ImuIncrements):
+            means, ends = ideal.mean_rates(), slice(1, len(motion))
+            return Felt(
+                getattr(means, sensor), ends, read_only(np.diff(motion.t)), means.accel, averaged=True
+            )
+        _, sampling = self._parts(sensor)
+        rows = sampling.rows(motion.t)
+        reading = sampling.collect(motion.t, getattr(ideal, sensor), rows)
+        return Felt(reading, rows, steps(motion.t[rows]), ideal.accel[rows])
 
     def _noises(self, motion: Motion, ideal: ImuRecording) -> dict[str, Array]:
         """Deviations (3,) of the white noise in one sample at the median step, of the sensors that have some."""
@@ -338,22 +390,21 @@ class Imu:
             "mag_uT": (self.mag_effects, self.clock.mag),
         }[sensor]
 
-    def _contexts(self, sensor: str, motion: Motion, ideal: ImuRecording, rows: Rows) -> Iterator[Context]:
-        t = motion.t[rows]
-        dt = steps(t)
+    def _contexts(self, sensor: str, motion: Motion, felt: Felt) -> Iterator[Context]:
+        t = motion.t[felt.rows]
         for block in _blocks(len(t)):
-            picked = block if isinstance(rows, slice) else rows[block]
             yield Context(
                 sensor=sensor,
                 first=block.start,
                 t=t[block],
-                dt=dt[block],
-                specific_force=ideal.accel[picked],
+                dt=felt.dt[block],
+                specific_force=felt.force[block],
                 environment=self.environment,
                 mount=self.mount,
                 body=motion,
-                rows=picked,
+                rows=part(felt.rows, block),
                 history=self.temperature,
+                averaged=felt.averaged,
             )
 
     def _check_motion(self, motion: Motion) -> None:
@@ -371,34 +422,9 @@ class Imu:
             raise ValueError(
                 f"a recording needs two samples or more, for noise depends on the time between them; got {len(motion)}."
             )
-        history, (first, last) = self.temperature, motion.t[[0, -1]]
-        if history is not None and not history.covers(first, last):
-            span = f"{history.t[0]:.6g} to {history.t[-1]:.6g}" if len(history.t) else "no time at all"
-            raise ValueError(
-                f"temperature must cover the motion, from {first:.6g} to {last:.6g} s; it covers {span} s."
-            )
+        if self.temperature is not None:
+            self.temperature.check_covers(*motion.t[[0, -1]])
 
 
 def _blocks(n: int) -> Iterator[slice]:
     return (slice(first, min(first + BLOCK, n)) for first in range(0, n, BLOCK))
-
-
-def _effects(field_name: str, given: Any) -> tuple[Effect, ...]:
-    """The effects in `given`; TypeError for anything else in it, such as a class that nobody made an effect of."""
-    each = tuple(given) if isinstance(given, Iterable) else (given,)
-    strange = [x for x in each if isinstance(x, type) or not callable(getattr(x, "apply", None))]
-    if strange or not isinstance(given, Iterable):
-        x = strange[0] if strange else given
-        got = f"the class {x.__name__}" if isinstance(x, type) else type(x).__name__
-        raise TypeError(f"{field_name} must be a list of effects, such as [WhiteNoise(1e-4)]; got {got}.")
-    _check_names(field_name, [effect.name for effect in each])
-    return each
-
-
-def _check_names(field_name: str, names: list[str]) -> None:
-    repeated = sorted({name for name in names if names.count(name) > 1})
-    if repeated:
-        raise ValueError(
-            f"{field_name} has two effects called {repeated[0]!r}, which would draw the same numbers; "
-            f'give one another name, as in name="{repeated[0]}_2".'
-        )

@@ -12,7 +12,7 @@ import numpy as np
 
 from kreisel.data.checks import choice
 from kreisel.data.noise import NoiseModel
-from kreisel.simulate.datasheet import PARAMETERS, Triads, triads
+from kreisel.simulate.datasheet import PARAMETERS, Triads, spelled_out, triads
 
 _FOLDER = Path(__file__).parent / "sensors"
 _TEXTS = ("part", "maker", "grade", "datasheet")
@@ -75,26 +75,38 @@ def load(name: str | Path) -> Preset:
         raise ValueError(f"{path}: {error}") from None
 
 
-def text_of(gyro: NoiseModel, accel: NoiseModel, part: str, source: str) -> str:
+def text_of(
+    gyro: NoiseModel, accel: NoiseModel, part: str, source: str, mag: NoiseModel | None = None
+) -> str:
     """The text of a preset file with the noise of a gyroscope (rad/s) and an accelerometer (m/s^2).
 
+    mag: of a magnetometer (uT), of which presets have white noise alone.
     part: what the sensor is called. source: where the numbers come from, such as the name of a recording.
     """
     import tomli_w
 
-    table: dict[str, Any] = {
-        "part": part,
-        "maker": "",
-        "grade": "measured",
-        "datasheet": source,
-        "values": {},
-    }
-    for sensor, model, parameters in (("gyro", gyro, _GYRO_NOISE), ("accel", accel, _ACCEL_NOISE)):
+    values = {name: {"value": value, "source": source} for name, value in values_of(gyro, accel, mag).items()}
+    table = {"part": part, "maker": "", "grade": "measured", "datasheet": source, "values": values}
+    return tomli_w.dumps(table)
+
+
+def values_of(gyro: NoiseModel, accel: NoiseModel, mag: NoiseModel | None = None) -> dict[str, list[float]]:
+    """Datasheet numbers, by their names there, of the noise of a gyroscope (rad/s) and an accelerometer (m/s^2).
+
+    mag: of a magnetometer (uT), of which datasheets have white noise alone.
+    """
+    values = {}
+    models = (
+        ("gyro", gyro, _GYRO_NOISE),
+        ("accel", accel, _ACCEL_NOISE),
+        ("mag", mag or NoiseModel(), _MAG_NOISE),
+    )
+    for sensor, model, parameters in models:
         for quantity, name in parameters.items():
             value = getattr(model, quantity) / PARAMETERS[f"{sensor}_{name}"].factor
             if value.any():
-                table["values"][f"{sensor}_{name}"] = {"value": value.tolist(), "source": source}
-    return tomli_w.dumps(table)
+                values[f"{sensor}_{name}"] = value.tolist()
+    return values
 
 
 _GYRO_NOISE = {
@@ -109,6 +121,8 @@ _ACCEL_NOISE = {
     "bias_random_walk": "bias_random_walk_ug_rts",
     "turn_on_bias": "turn_on_bias_mg",
 }
+
+_MAG_NOISE = {"white_noise": "noise_uT_rthz"}
 
 
 def _key(name: str) -> str:
@@ -126,6 +140,7 @@ def _preset(name: str, table: dict[str, Any]) -> Preset:
     entries = table.get("values")
     if not isinstance(entries, dict):
         raise ValueError("the table [values] is missing.")
+    entries = {spelled_out(key): entry for key, entry in entries.items()}
     for key, entry in entries.items():
         if not isinstance(entry, dict) or set(entry) != {"value", "source"} or not entry["source"]:
             raise ValueError(f"values.{key} must be {{ value = ..., source = '...' }}; got {entry!r:.60}.")

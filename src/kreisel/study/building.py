@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from kreisel.data.trajectory import Poses, Trajectory, even_times
 from kreisel.files.doors import read
 from kreisel.maths.rotations import matrix_from_euler
 from kreisel.simulate.imu import Imu
+from kreisel.study.imus import make_imu
 from kreisel.study.scenario import (
     DisturbanceRecipe,
     EnvironmentRecipe,
@@ -29,8 +29,7 @@ from kreisel.study.scenario import (
     Scenario,
     TrajectoryRecipe,
 )
-from kreisel.study.sensor import sensor_imu
-from kreisel.study.signature import Place, call
+from kreisel.study.signature import Place, call, unknown_kind
 
 TRAJECTORIES = "kreisel.simulate.trajectories"
 FILTERS = "kreisel.estimate.filters"
@@ -54,12 +53,12 @@ def build(scenario: Scenario, where: Place | None = None) -> Parts:
     t = _times(scenario, trajectory, place)
     environment = surroundings(scenario.environment, place.at("environment"))
     _check_they_act(environment, t, place.at("environment"))
+    made = imus(scenario, environment, place)
+    _check_they_last(made, t, place)
     return Parts(
         trajectory,
         t,
-        tuple(
-            _imu(imu, environment, scenario.folder, place.at("imu", k)) for k, imu in enumerate(scenario.imus)
-        ),
+        made,
         tuple(
             (recipe.name, _filter(recipe, _told(scenario.environment, environment), place.at("filter", k)))
             for k, recipe in enumerate(scenario.filters)
@@ -99,15 +98,9 @@ def _trajectory(scenario: Scenario, place: Place) -> Trajectory:
     if recipe.kind in discovery.names(TRAJECTORIES):
         make = getattr(discovery.load(TRAJECTORIES, recipe.kind), recipe.kind, None)
     if make is None:
-        _unknown_kind(recipe.kind, trajectory_kinds(), where)
+        unknown_kind(where, recipe.kind, trajectory_kinds())
     found: Trajectory = call(make, recipe.parameters, where)
     return found
-
-
-def _unknown_kind(kind: str, known: list[str], where: Place) -> NoReturn:
-    near = difflib.get_close_matches(kind, known, n=1)
-    hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(known) or 'none'}."
-    raise ValueError(f"{where.at('kind')} {kind!r} is unknown; {hint}")
 
 
 def _from_file(folder: Path) -> Callable[..., Trajectory]:
@@ -209,7 +202,8 @@ def surroundings(recipe: EnvironmentRecipe, where: Place | None = None) -> Envir
     disturbances = tuple(
         _disturbance(each, where.at("disturbance", k)) for k, each in enumerate(recipe.disturbances)
     )
-    return replace(found, g_N=g_N, field_N_uT=field_N_uT, disturbances=disturbances)
+    made = partial(replace, found)
+    return _or_say(where, made, g_N=g_N, field_N_uT=field_N_uT, disturbances=disturbances)
 
 
 def _or_say(where: Place, make: Callable[..., Environment], *given: Any, **named: Any) -> Environment:
@@ -226,7 +220,7 @@ def disturbance_kinds() -> list[str]:
 
 def _disturbance(recipe: DisturbanceRecipe, where: Place) -> Disturbance:
     if recipe.kind not in disturbance_kinds():
-        _unknown_kind(recipe.kind, disturbance_kinds(), where)
+        unknown_kind(where, recipe.kind, disturbance_kinds())
     make = discovery.load(DISTURBANCES, recipe.kind).DISTURBANCE
     found: Disturbance = call(make, recipe.parameters, where)
     return found
@@ -242,13 +236,31 @@ def _check_they_act(environment: Environment, t: Array, where: Place) -> None:
             )
 
 
+def imus(scenario: Scenario, environment: Environment, where: Place | None = None) -> tuple[Imu, ...]:
+    """The IMUs of a scenario; ValueError with the key, after `where`, for what cannot be made."""
+    place = where or Place("scenario")
+    return tuple(
+        _imu(recipe, environment, scenario.folder, place.at("imu", k))
+        for k, recipe in enumerate(scenario.imus)
+    )
+
+
 def _imu(recipe: ImuRecipe, environment: Environment, folder: Path, where: Place) -> Imu:
     R_BS = matrix_from_euler(np.deg2rad(recipe.rotation_deg))
-    mount = Mount(np.array(recipe.p_BS), R_BS, recipe.name)
-    try:
-        return sensor_imu(recipe.sensor, mount, environment, folder)
-    except ValueError as error:
-        raise ValueError(f"{where.at('sensor')}: {error}") from None
+    return make_imu(recipe, Mount(np.array(recipe.p_BS), R_BS, recipe.name), environment, folder, where.at)
+
+
+def _check_they_last(imus: Sequence[Imu], t: Array, where: Place) -> None:
+    """Refuse clocks and temperatures that do not suit the times of the run."""
+    for k, imu in enumerate(imus):
+        try:
+            key = "clock"
+            imu.clock.check(t)
+            key = "temperature"
+            if imu.temperature is not None:
+                imu.temperature.check_covers(float(t[0]), float(t[-1]))
+        except ValueError as error:
+            raise ValueError(f"{where.at('imu', k, key)}: {error}") from None
 
 
 def filter_kinds() -> list[str]:
@@ -258,7 +270,7 @@ def filter_kinds() -> list[str]:
 
 def _filter(recipe: FilterRecipe, declination: float, where: Place) -> Any:
     if recipe.kind not in filter_kinds():
-        _unknown_kind(recipe.kind, filter_kinds(), where)
+        unknown_kind(where, recipe.kind, filter_kinds())
     make = discovery.load(FILTERS, recipe.kind.replace("-", "_")).FILTER
     tuning = dict(recipe.tuning)
     if any(f.name == "declination" for f in fields(make)):

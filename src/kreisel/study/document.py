@@ -11,6 +11,7 @@ from typing import Any
 from kreisel.study.building import build
 from kreisel.study.scenario import (
     DisturbanceRecipe,
+    EffectRecipe,
     EnvironmentRecipe,
     FilterRecipe,
     ImuRecipe,
@@ -25,6 +26,7 @@ _MAX_DEPTH = 10
 
 _TABLES = ("trajectory", "imu", "environment", "filter", "vary")
 _OF_FILTERS = ("name", "align", "clock_offset", "start_error_deg")  # keys of a filter that are no tuning
+_OF_EFFECTS = ("sensor", "before", "after")  # keys of an effect that are no parameters
 _PLURAL = {"imu": "imus", "filter": "filters"}
 
 
@@ -71,7 +73,7 @@ def of_table(table: Mapping[str, Any], folder: Path, where: Place) -> Scenario:
         "folder": folder,
     }
     if "imu" in table:
-        parts["imus"] = tuple(call(ImuRecipe, t, place) for t, place in _tables(table, "imu", where))
+        parts["imus"] = tuple(_imu(t, place) for t, place in _tables(table, "imu", where))
     if "filter" in table:
         parts["filters"] = tuple(_filter(t, place) for t, place in _tables(table, "filter", where))
     if "vary" in table:
@@ -100,7 +102,7 @@ def table_of(scenario: Scenario) -> dict[str, Any]:
         table["environment"]["disturbance"] = [
             {"kind": d.kind, **_filled(d.parameters)} for d in scenario.environment.disturbances
         ]
-    table["imu"] = [_given(imu) for imu in scenario.imus]
+    table["imu"] = [_imu_table(imu) for imu in scenario.imus]
     table["filter"] = [{**_given(f, leave_out=("tuning",)), **_filled(f.tuning)} for f in scenario.filters]
     if scenario.vary:
         table["vary"] = dict(scenario.vary)
@@ -141,6 +143,30 @@ def _check_known(where: Place, name: str) -> None:
 def _trajectory(table: Any, where: Place) -> TrajectoryRecipe:
     kind, parameters = _kind(table, where)
     return call(TrajectoryRecipe, {"kind": kind}, where, ready={"parameters": parameters})
+
+
+def _imu(table: Mapping[str, Any], where: Place) -> ImuRecipe:
+    rest = dict(table)
+    # Their keys are looked at when the IMU is built, where it is known what they mean.
+    ready: dict[str, Any] = {
+        name: _checked_table(rest.pop(name), where.at(name))
+        for name in ("datasheet", "clock")
+        if name in rest
+    }
+    if "effects" in rest:
+        ready["effects"] = tuple(_effect(t, place) for t, place in _tables(table, "effects", where))
+        del rest["effects"]
+    for name in rest:
+        known = [f.name for f in fields(ImuRecipe)]
+        if name not in known:
+            unknown(where, name, known)
+    return call(ImuRecipe, rest, where, ready=ready)
+
+
+def _effect(table: Mapping[str, Any], where: Place) -> EffectRecipe:
+    kind, parameters = _kind(table, where)
+    own = {name: parameters.pop(name) for name in _OF_EFFECTS if name in parameters}
+    return call(EffectRecipe, {"kind": kind, **own}, where, ready={"parameters": parameters})
 
 
 def _environment(table: Mapping[str, Any], where: Place) -> EnvironmentRecipe:
@@ -200,6 +226,16 @@ def _checked_table(table: Any, where: Place) -> Mapping[str, Any]:
 
 
 # --- writing ---
+
+
+def _imu_table(imu: ImuRecipe) -> dict[str, Any]:
+    table = _given(imu, leave_out=("datasheet", "clock", "effects"))
+    table |= {name: _filled(getattr(imu, name)) for name in ("datasheet", "clock") if getattr(imu, name)}
+    if imu.effects:
+        table["effects"] = [
+            {**_given(e, leave_out=("parameters",)), **_filled(e.parameters)} for e in imu.effects
+        ]
+    return table
 
 
 def _given(part: Any, leave_out: tuple[str, ...] = ()) -> dict[str, Any]:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
+
 from kreisel.data.environment import Environment
 from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion
@@ -18,3 +22,14 @@ def round_trip(
     truth : `motion.at(mount)`, with the same stamps as the recording.
     """
     return motion_errors(truth, integrate(recording, truth, environment))
+
+
+def complete(recording: ImuRecording, truth: Motion) -> tuple[ImuRecording, Motion]:
+    """Those rows at which gyroscope and accelerometer both gave a sample, and the truth there, stamped alike.
+
+    truth : `motion.at(mount)`, row by row that of `recording`, whose clock may be wrong.
+    """
+    rows = np.flatnonzero(np.isfinite(recording.gyro).all(axis=1) & np.isfinite(recording.accel).all(axis=1))
+    t, gyro, accel = recording.t[rows], recording.gyro[rows], recording.accel[rows]
+    kept = ImuRecording(t=t, gyro=gyro, accel=accel, t0_ns=recording.t0_ns, name=recording.name)
+    return kept, replace(truth.rows(rows), t=t)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kreisel.data.cards import Card, Shown, course
 from kreisel.data.checks import Array
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
@@ -41,7 +42,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Result:
+class Result(Shown):
     """Everything that one run made."""
 
     scenario: Scenario
@@ -50,6 +51,20 @@ class Result:
     recordings: tuple[ImuRecording, ...]  # one per IMU
     estimates: tuple[Estimate, ...]  # one per IMU and filter, IMU by IMU
     recorded: tuple[Recorded, ...] = ()  # of the IMUs with errors: truth and every error term
+
+    def card(self) -> Card:
+        """The errors of every filter on every IMU."""
+        found = [(e.imu, e.filter, e.summary) for e in self.estimates]
+        rows = [
+            (
+                imu,
+                filter,
+                *(f"{getattr(s, f'{name}_rmse_deg'):.4g}" for name in ("total", "heading", "inclination")),
+            )
+            for imu, filter, s in found
+        ]
+        title = f"Result {self.scenario.name!r}: {course(self.motion, self.motion.t)}"
+        return Card(title, ("IMU", "filter", "total RMSE, deg", "heading", "inclination"), rows)
 
     def report(self) -> dict[str, Any]:
         """The run in numbers and texts that JSON holds; "schema" names their layout.
@@ -73,16 +88,20 @@ class Result:
         }
 
 
-def run(scenario: Scenario) -> Result:
-    """Sample, record, estimate, compare. Raises ValueError for a recipe that cannot be made."""
+def run(scenario: Scenario, on_done: Callable[[], object] | None = None) -> Result:
+    """Sample, record, estimate, compare. Raises ValueError for a recipe that cannot be made.
+
+    on_done : called after each IMU, and after each filter on each IMU.
+    """
     parts = build(scenario)
     motion = parts.trajectory.sample(parts.t)
-    recordings, recorded = record_all(parts.imus, motion, scenario.seed, scenario.run)
-    estimates = [
-        estimated(recipe, filter, recording, motion.at(imu.mount))
-        for imu, recording in zip(parts.imus, recordings, strict=True)
-        for recipe, (_, filter) in zip(scenario.filters, parts.filters, strict=True)
-    ]
+    recordings, recorded = record_all(parts.imus, motion, scenario.seed, scenario.run, on_done)
+    estimates = []
+    for imu, recording in zip(parts.imus, recordings, strict=True):
+        for recipe, (_, filter) in zip(scenario.filters, parts.filters, strict=True):
+            estimates.append(estimated(recipe, filter, recording, motion.at(imu.mount)))
+            if on_done is not None:
+                on_done()
     mounts = tuple(imu.mount for imu in parts.imus)
     return Result(scenario, motion, mounts, recordings, tuple(estimates), recorded)
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from kreisel.data.cards import Shown
 from kreisel.data.checks import choice, file_name, finite_number, whole_number
 from kreisel.data.trajectory import Trajectory
 from kreisel.study.ensemble.distributions import distributions
@@ -55,19 +56,44 @@ class FilterRecipe:
 
 
 @dataclass(frozen=True)
+class EffectRecipe:
+    """An effect of one sensor by the name of its plug-in, the arguments it is made with, and its place among others."""
+
+    sensor: Literal["gyro", "accel", "mag"]
+    kind: str
+    parameters: Mapping[str, Any] = field(default_factory=dict)  # plain values
+    before: str | None = None  # the effect, by name, before which it acts; None: its place in physical order
+    after: str | None = None  # or behind which
+
+    def __post_init__(self) -> None:
+        choice("sensor", self.sensor, ("gyro", "accel", "mag"))
+        object.__setattr__(self, "parameters", plain("parameters", dict(self.parameters)))
+
+
+@dataclass(frozen=True)
 class ImuRecipe:
-    """Where an IMU sits on the body, how it is turned, and which sensor it is."""
+    """Where an IMU sits on the body, how it is turned, which sensor it is, and what is wrong with that beside."""
 
     name: str = "imu"  # in reports and file names
     p_BS: Vector = (0.0, 0.0, 0.0)  # m, lever arm in B
     rotation_deg: Vector = (0.0, 0.0, 0.0)  # turn of S against B about x, y, z: R_BS = Rz Ry Rx
     sensor: str | None = None  # a preset, a preset file or kalibr's; None: a perfect one
+    datasheet: Mapping[str, Any] = field(default_factory=dict)  # numbers in place of the sensor's, or beside
+    clock: Mapping[str, Any] = field(default_factory=dict)  # by the names of Clock, and rate_offset_ppm
+    temperature: float | str | tuple[tuple[float, float], ...] | None = (
+        None  # deg C; a file; or (s, deg C) each
+    )
+    effects: tuple[EffectRecipe, ...] = ()  # beside those of the sensor
 
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "name", file_name("name", self.name))
         put(self, "p_BS", vector("p_BS", self.p_BS))
         put(self, "rotation_deg", vector("rotation_deg", self.rotation_deg))
+        for name in ("datasheet", "clock"):
+            put(self, name, plain(name, dict(getattr(self, name))))
+        put(self, "temperature", plain("temperature", self.temperature))
+        put(self, "effects", tuple(self.effects))
 
 
 @dataclass(frozen=True)
@@ -100,6 +126,8 @@ class EnvironmentRecipe:
         for name in ("gravity", "declination_deg", "latitude_deg", "longitude_deg", "height_m"):
             if getattr(self, name) is not None:
                 put(self, name, finite_number(name, getattr(self, name)))
+        if self.gravity is not None and self.gravity < 0.0:
+            raise ValueError(f"gravity must be 0 or more, m/s^2: it counts downwards; got {self.gravity:g}.")
         if self.field_N_uT is not None:
             put(self, "field_N_uT", vector("field_N_uT", self.field_N_uT))
         if self.date is not None:
@@ -124,7 +152,7 @@ class EnvironmentRecipe:
 
 
 @dataclass(frozen=True)
-class Scenario:
+class Scenario(Shown):
     """A recipe from which `study.run` makes the same result every time.
 
     Round-trips through TOML, but for a trajectory that is an object rather than a recipe.

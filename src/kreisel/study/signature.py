@@ -8,7 +8,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, is_dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, get_args
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, get_args, get_type_hints
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -64,7 +64,7 @@ def call(
     from pydantic import ValidationError
 
     done = dict(ready or {})
-    parameters = {name: parameter for name, parameter in _signature(make).items() if name not in done}
+    parameters = {name: parameter for name, parameter in _parameters(make).items() if name not in done}
     try:
         # As JSON, because there a list may stand for a tuple and yet text never for a number.
         checked = _model(make, tuple(parameters)).model_validate_json(json.dumps(table, default=_named))
@@ -79,15 +79,20 @@ def call(
         raise ValueError(f"{where}: its numbers cannot be calculated with ({error}).") from None
 
 
+# These and models take milliseconds to make, and an ensemble asks for the same few in each of a thousand runs.
+@lru_cache(maxsize=256)
+def _parameters(make: Callable[..., Any]) -> Mapping[str, inspect.Parameter]:
+    if not is_dataclass(make):
+        return inspect.signature(make, eval_str=True).parameters
+    # Fields that were inherited are annotated in the words of another module.
+    hints = get_type_hints(make)
+    found = inspect.signature(make).parameters
+    return {name: parameter.replace(annotation=hints[name]) for name, parameter in found.items()}
+
+
 def _named(value: Any) -> dict[str, str]:
     """A date, which TOML knows and JSON does not, as something that nobody takes for a text."""
     return {type(value).__name__: str(value)}
-
-
-# A model takes milliseconds to make, and an ensemble asks for the same few in each of a thousand runs.
-@lru_cache(maxsize=256)
-def _signature(make: Callable[..., Any]) -> Mapping[str, inspect.Parameter]:
-    return inspect.signature(make, eval_str=True).parameters
 
 
 @lru_cache(maxsize=256)
@@ -95,7 +100,7 @@ def _model(make: Callable[..., Any], names: tuple[str, ...]) -> type[BaseModel]:
     """What checks those arguments of `make`."""
     from pydantic import ConfigDict, create_model
 
-    parameters = {name: _signature(make)[name] for name in names}
+    parameters = {name: _parameters(make)[name] for name in names}
     fields: dict[str, Any] = {
         name: (parameter.annotation, ... if parameter.default is parameter.empty else None)
         for name, parameter in parameters.items()
@@ -110,6 +115,13 @@ def unknown(where: Place, key: str, known: Sequence[str]) -> NoReturn:
     near = difflib.get_close_matches(key.casefold(), folded, n=1)
     hint = f"did you mean {folded[near[0]]!r}?" if near else f"known are {', '.join(known) or 'none'}."
     raise ValueError(f"{where.at(key)} is unknown; {hint}") from None
+
+
+def unknown_kind(where: Place, kind: str, known: Sequence[str]) -> NoReturn:
+    """Refuse a kind that is none, with the nearest one that is."""
+    near = difflib.get_close_matches(kind, known, n=1)
+    hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(known) or 'none'}."
+    raise ValueError(f"{where.at('kind')} {kind!r} is unknown; {hint}")
 
 
 def _refuse(
@@ -164,5 +176,5 @@ def _known(parameters: Mapping[str, inspect.Parameter], way: Sequence[int | str]
         inner = next(
             (a for a in (annotation, *get_args(annotation)) if isinstance(a, type) and is_dataclass(a)), None
         )
-        known = inspect.signature(inner, eval_str=True).parameters if inner else {}
+        known = _parameters(inner) if inner else {}
     return list(known)

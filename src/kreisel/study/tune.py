@@ -16,6 +16,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
+from kreisel.data.cards import Card, Shown
 from kreisel.data.checks import Array, choice
 from kreisel.data.trial import Trial
 from kreisel.estimate.run import run
@@ -56,7 +57,7 @@ class Gain:
 
 
 @dataclass(frozen=True, slots=True)
-class Tuning:
+class Tuning(Shown):
     """A setting proposed, and what it is worth."""
 
     filter: Any  # with the proposal
@@ -67,6 +68,15 @@ class Tuning:
     proposed_deg: float  # with the proposal, on the recordings it was chosen by
     left_out: tuple[Gain, ...]
     p_value: float  # probability of such a mean gain on recordings left out if there were none
+
+    def card(self) -> Card:
+        """The numbers that the proposal changes, and the verdict."""
+        rows = [
+            (name, f"{before:.4g}", f"{after:.4g}", "{:.4g} to {:.4g}".format(*self.spread[name]))
+            for name, (before, after) in self.changed.items()
+        ]
+        title = f"Tuning of {type(self.filter).__name__}: {len(self.left_out)} recordings"
+        return Card(title, ("", "as it was", "proposed", "folds proposed"), rows, (self.verdict,))
 
     @property
     def gain(self) -> float:

@@ -5,12 +5,16 @@ from __future__ import annotations
 import json
 import math
 from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kreisel.cli.batch import derived, expanded, over_files
 from kreisel.cli.inputs import add_input_arguments, check_units, read_input
+from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
+from kreisel.cli.values import number
 from kreisel.data.checks import SAME_INSTANT
 
 if TYPE_CHECKING:
@@ -25,6 +29,8 @@ _EXAMPLES = """\
 examples:
   kreisel allan rest.csv
   kreisel allan rest.csv --sensor gyro -o noise/
+  kreisel allan 'rest/*.csv' -o noise/            each in a folder of its own
+  kreisel allan rest.csv --sensor all             the magnetometer too
   kreisel allan log.csv --column t='Time [ms]' --json
   kreisel allan rest.csv --start 1800           without the half hour of warming up
 
@@ -35,23 +41,37 @@ one-sided, sqrt(2) N. preset.toml in the folder is the same noise as a simulated
 """
 
 _NAMES = {"N": "white noise N", "B": "bias instability B", "K": "random walk K"}
-_SENSORS = {"gyro": ("gyro",), "accel": ("accel",), "both": ("gyro", "accel")}
+_SENSORS = {
+    "gyro": ("gyro",),
+    "accel": ("accel",),
+    "mag": ("mag",),
+    "both": ("gyro", "accel"),
+    "all": ("gyro", "accel", "mag"),
+}
 
 
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
-    add_input_arguments(parser)
-    parser.add_argument("--sensor", choices=tuple(_SENSORS), default="both", help="which (default: both)")
+    add_input_arguments(parser, many=True)
+    parser.add_argument(
+        "--sensor", choices=tuple(_SENSORS), default="both", help="which; both is gyro and accel (default)"
+    )
     parser.add_argument(
         "-o", "--output", metavar="FOLDER", help="folder for pictures, allan.json and preset.toml"
     )
     parser.add_argument(
-        "--start", type=float, metavar="S", help="leave out what comes before, s after the first sample"
+        "--start",
+        type=number("seconds"),
+        metavar="S",
+        help="leave out what comes before, s after the first sample",
     )
     parser.add_argument(
-        "--end", type=float, metavar="S", help="leave out what comes after, s after the first sample"
+        "--end",
+        type=number("seconds"),
+        metavar="S",
+        help="leave out what comes after, s after the first sample",
     )
-    parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
+    add_report_arguments(parser, dry_run=True)
     parser.add_argument("--trust-units", action="store_true", help="go on where units look impossible")
     parser.epilog = _EXAMPLES
 
@@ -61,18 +81,44 @@ def run(args: Namespace) -> int:
     from kreisel.data.recording import ImuRecording
     from kreisel.evaluate.allan import allan
 
-    recording = read_input(args, kind="imu")
-    assert isinstance(recording, ImuRecording)  # the kind asked for
-    check_units(recording, args.input, args.trust_units)
-    recording = _piece(recording, args.start, args.end)
-    fits = [allan(recording, sensor) for sensor in _SENSORS[args.sensor]]
-    report = {"schema": SCHEMA, "file": args.input, "sensors": {fit.sensor: _as_json(fit) for fit in fits}}
-    files = [] if args.output is None else _write(Path(args.output), report, fits)
-    if args.json:
-        print(json.dumps(report, indent=2, allow_nan=False))
-    else:
-        _print(args.input, fits, files)
-    return 0
+    paths = expanded(args.input)
+    folders = _folders(args.output, paths)
+    sensors = _SENSORS[args.sensor]
+
+    def one(path: str) -> dict[str, Any]:
+        recording = read_input(args, path, kind="imu")
+        assert isinstance(recording, ImuRecording)  # the kind asked for
+        check_units(recording, path, args.trust_units)
+        recording = _piece(recording, args.start, args.end)
+        if args.dry_run:
+            return {"file": path, "what": described(recording)}
+        fits = [allan(recording, sensor) for sensor in sensors]
+        report = {"file": path, "sensors": {fit.sensor: _as_json(fit) for fit in fits}}
+        files = [] if folders is None else _write(folders[path], {"schema": SCHEMA, **report}, fits)
+        if not args.json:
+            _print(path, fits, files)
+        return report
+
+    batch = over_files(paths, one, "reading" if args.dry_run else "fitting the noise")
+    if args.dry_run:
+        made = [f for report in batch.done if folders for f in _files_of(folders[report["file"]], sensors)]
+        tell_plan(args, {report["file"]: report["what"] for report in batch.done}, made)
+    elif args.json:
+        one_alone = batch.done[0] if len(paths) == 1 else {"files": batch.done, "failed": batch.failed}
+        print_json({"schema": SCHEMA, **one_alone})
+    return batch.code
+
+
+def _folders(output: str | None, paths: Sequence[str]) -> dict[str, Path] | None:
+    """Where the files of each recording go: FOLDER, or for several a folder of its own in there."""
+    if output is None:
+        return None
+    places = [Path(output)] if len(paths) == 1 else derived(paths, output, "")
+    return dict(zip(paths, places, strict=True))
+
+
+def _files_of(folder: Path, sensors: Sequence[str]) -> list[Path]:
+    return [folder / name for name in ("allan.json", "preset.toml", *(f"allan_{s}.png" for s in sensors))]
 
 
 def _piece(recording: ImuRecording, start: float | None, end: float | None) -> ImuRecording:
@@ -169,5 +215,6 @@ def _preset(fits: list[AllanFit], path: str) -> str:
     from kreisel.simulate.presets import text_of
 
     noise = {fit.sensor: fit.noise for fit in fits}
-    gyro, accel = (noise.get(sensor, NoiseModel()) for sensor in _SENSORS["both"])
-    return text_of(gyro, accel, fits[0].name or Path(path).stem, f"Allan deviation of {Path(path).name}")
+    gyro, accel, mag = (noise.get(sensor, NoiseModel()) for sensor in _SENSORS["all"])
+    part, source = fits[0].name or Path(path).stem, f"Allan deviation of {Path(path).name}"
+    return text_of(gyro, accel, part, source, mag)

@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from kreisel.cli.outputs import Output, check_outputs, output_folder, picture, write_json, write_outputs
+from kreisel.cli.outputs import (
+    Output,
+    check_outputs,
+    output_folder,
+    picture,
+    write_json,
+    write_outputs,
+    written,
+)
+from kreisel.cli.progress import Progress
+from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
+from kreisel.cli.values import one_of
 
 if TYPE_CHECKING:
     from kreisel.study.broad import Score
@@ -47,12 +56,13 @@ def configure(parser: ArgumentParser) -> None:
         "--filter",
         action="append",
         metavar="NAME",
+        type=one_of(_filter_names),
         help="a filter to run; may be given several times (default: ours, and all others installed)",
     )
     parser.add_argument(
         "-o", "--output", type=output_folder, metavar="FOLDER", help="folder for scores.json and a picture"
     )
-    parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
+    add_report_arguments(parser, dry_run=True)
     parser.epilog = _EXAMPLES
 
 
@@ -63,39 +73,44 @@ def run(args: Namespace) -> int:
     names, paths = _chosen(args.filter), broad.trial_files(Path(args.folder))
     outputs = _outputs()
     check_outputs(args.output or Path(), outputs)
-    scores = list(_with_progress(broad.scores(names, paths), names, paths))
+    if args.dry_run:
+        reads = {str(path): described(broad.read_trial(path)) for path in paths}
+        return tell_plan(args, reads, written(args.output, outputs))
+    scores = list(_with_progress(broad.scores(names, paths), len(names) * len(paths)))
     means = [broad.mean(_of(scores, name)) for name in names]
     report = _report(scores, means)
     if args.output is not None:
         write_outputs(args.output, outputs, (report, scores))
     if args.json:
-        print(json.dumps(report, indent=2, allow_nan=False))
+        print_json(report)
     else:
         _print(scores, means)
     return 0
 
 
-def _chosen(asked: Sequence[str] | None) -> list[str]:
-    """The filters to run, each once; those that are not installed only where they were asked for."""
-    from kreisel.data.checks import choice
+def _filter_names() -> list[str]:
     from kreisel.study import broad
 
-    known = broad.filter_names()
-    names = [choice("--filter", name, known) for name in asked or known if asked or broad.installed(name)]
+    return broad.filter_names()
+
+
+def _chosen(asked: Sequence[str] | None) -> list[str]:
+    """The filters to run, each once; those that are not installed only where they were asked for."""
+    from kreisel.study import broad
+
+    known = _filter_names()
+    names = [name for name in asked or known if asked or broad.installed(name)]
     if broad.installed(broad.YARDSTICK):
         names.append(broad.YARDSTICK)
     return list(dict.fromkeys(names))
 
 
-def _with_progress(scores: Iterable[Score], names: Sequence[str], paths: Sequence[Path]) -> Iterator[Score]:
-    """The same scores; where a person looks on, a line on stderr counts them."""
-    shown = sys.stderr.isatty()
-    for k, score in enumerate(scores, start=1):
-        if shown:
-            sys.stderr.write(f"\r\x1b[K{k} of {len(names) * len(paths)}: {score.filter} on {score.trial}")
-        yield score
-    if shown:
-        sys.stderr.write("\r\x1b[K")
+def _with_progress(scores: Iterable[Score], total: int) -> Iterator[Score]:
+    """The same scores, counted where a person looks on."""
+    with Progress(total, "filters on trials") as progress:
+        for score in scores:
+            yield score
+            progress.advance()
 
 
 def _of(scores: Sequence[Score], name: str) -> list[Score]:

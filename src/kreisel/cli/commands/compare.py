@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
-import json
 import math
-import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from kreisel.cli.outputs import Output, describe_notes, output_folder, picture, write_json, write_outputs
+from kreisel.cli.notes import complain
+from kreisel.cli.outputs import (
+    Output,
+    describe_notes,
+    output_folder,
+    picture,
+    write_json,
+    write_outputs,
+    written,
+)
+from kreisel.cli.progress import Progress
+from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
+from kreisel.cli.values import as_typed, number, one_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -58,13 +68,22 @@ def configure(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--pose-rate",
-        type=float,
+        type=number("hertz", above=0.0),
         metavar="HZ",
         help="rate of the cameras, where the file has more poses than they saw: in-between ones are left out",
     )
-    parser.add_argument("--method", default="auto", help="auto (default), spline or smooth")
     parser.add_argument(
-        "--search", type=float, default=0.5, metavar="S", help="how far the clocks may be apart (0.5 s)"
+        "--method",
+        default="auto",
+        type=one_of(("auto", "spline", "smooth")),
+        help="auto (default), spline or smooth",
+    )
+    parser.add_argument(
+        "--search",
+        type=number("seconds", lowest=0.0),
+        default=0.5,
+        metavar="S",
+        help="how far the clocks may be apart (0.5 s)",
     )
     parser.add_argument(
         "-o",
@@ -73,13 +92,13 @@ def configure(parser: ArgumentParser) -> None:
         metavar="FOLDER",
         help="folder for picture, twin and summary.json",
     )
-    parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
+    add_report_arguments(parser, dry_run=True)
     parser.add_argument("--trust-units", action="store_true", help="go on where units look impossible")
     for sensor, unit in _UNITS.items():
         parser.add_argument(
             f"--max-{sensor}-rmse",
             dest=sensor,
-            type=float,
+            type=number(_UNITS[sensor], lowest=0.0),
             metavar="RMSE",
             help=f"largest RMSE of the {sensor} allowed over its axes, {unit}",
         )
@@ -96,16 +115,22 @@ def run(args: Namespace) -> int:
     if args.imu is not None:
         from kreisel.cli.commands.simulate import parse_mount
 
-        mount = parse_mount(args.imu)
-    found = align(recording, trajectory, **_estimate(args.estimate), mount=mount, search=args.search)
+        with as_typed():
+            mount = parse_mount(args.imu)
+    asked, outputs = _estimate(args.estimate), _outputs(recording)
+    if args.dry_run:
+        reads = {args.real: described(recording), named: described(poses)}
+        return tell_plan(args, reads, written(args.output, outputs))
+    with Progress(None, "aligning"):
+        found = align(recording, trajectory, **asked, mount=mount, search=args.search)
     notes = [*trajectory.sample(trajectory.t[:1]).notes, *found.notes]
     limits = _limits(args, found)
     report = _report(args, recording, named, found, limits) | {"notes": [note.text for note in notes]}
     files = []
     if args.output is not None:
-        files = write_outputs(args.output, _outputs(recording), (report, found))
+        files = write_outputs(args.output, outputs, (report, found))
     if args.json:
-        print(json.dumps(report, indent=2, allow_nan=False))
+        print_json(report)
     else:
         print(f"{args.real} against {named}")
         _print(found, describe_notes(notes), files)
@@ -141,22 +166,24 @@ def _inputs(args: Namespace) -> tuple[ImuRecording, Poses, str]:
 
 
 def _trajectory(args: Namespace, poses: Poses) -> SampledTrajectory:
-    from kreisel.data.checks import choice
     from kreisel.simulate.trajectories.sampled import SampledTrajectory
 
-    choice("--method", args.method, ("auto", "spline", "smooth"))
     if args.pose_rate is not None:
         poses = poses.thinned(args.pose_rate)
     return SampledTrajectory.from_poses(poses, method=args.method)
 
 
 def _estimate(text: str | None) -> dict[str, Any]:
+    from kreisel.data.checks import choice
     from kreisel.evaluate.align.parameters import SIZES
 
     if text is None:
         return {}
     names = {"all": list(SIZES), "none": []}.get(text.strip())
-    return {"estimate": [part.strip() for part in text.split(",")] if names is None else names}
+    if names is None:
+        with as_typed():
+            names = [choice("--estimate", part.strip(), tuple(SIZES)) for part in text.split(",")]
+    return {"estimate": names}
 
 
 def _limits(args: Namespace, found: Alignment) -> list[dict[str, Any]]:
@@ -172,9 +199,7 @@ def _complain_of(limits: list[dict[str, Any]]) -> int:
     missed = [limit for limit in limits if not limit["held"]]
     for limit in missed:
         name = limit["name"].replace("_rmse", " RMSE")
-        sys.stderr.write(
-            f"kreisel: {name}: {limit['value']:.4g} {limit['unit']}, allowed {limit['limit']:g}\n"
-        )
+        complain(f"{name}: {limit['value']:.4g} {limit['unit']}, allowed {limit['limit']:g}")
     return 3 if missed else 0
 
 

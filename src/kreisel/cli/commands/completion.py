@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from kreisel import discovery
 from kreisel.cli.main import COMMANDS
+from kreisel.cli.main import configure as configured
 
 HELP = "a script that completes commands, options and files at the prompt of bash, zsh or fish"
 
@@ -24,7 +25,7 @@ _INSTALL = {line.split(",")[0]: re.split(r": {2,}", line)[1] for line in _EXAMPL
 # Metavars of what lies on the disk.
 _FILES = {
     *("FILE", "FOLDER", "DIR", "IN", "OUT", "PICTURE", "SENSOR"),
-    *("REAL", "POSES", "TRUTH", "ESTIMATE", "SCENARIO", "TRIAL"),
+    *("DEGC|FILE", "REAL", "POSES", "TRUTH", "ESTIMATE", "SCENARIO", "TRIAL"),
 }
 
 # Words that an option takes where its command checks them, and not argparse.
@@ -72,7 +73,7 @@ def run(args: Namespace) -> int:
 
 def _arguments(command: str) -> list[_Argument]:
     parser = ArgumentParser(prog=command)
-    discovery.load(COMMANDS, command).configure(parser)
+    configured(parser, command)
     return [_argument(action) for action in parser._actions]
 
 

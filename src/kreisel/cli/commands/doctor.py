@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import json
 import os
 import platform
 import re
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from kreisel import __version__
+from kreisel.cli.reports import add_report_arguments, print_json
 
 HELP = "versions, processor, compiled code and extras of this installation"
 
@@ -32,14 +32,14 @@ _Requirements = dict[str, list[str]]
 
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
-    parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
+    add_report_arguments(parser)
 
 
 def run(args: Namespace) -> int:
     """Examine and report; 1 where a dependency is missing or does not load."""
     report = _examined()
     if args.json:
-        print(json.dumps({"schema": SCHEMA, **report}, indent=2))
+        print_json({"schema": SCHEMA, **report})
     else:
         print("\n".join(_told(report)))
     sound = all(found["error"] is None for found in report["dependencies"].values())

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-import glob
-import json
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from kreisel.cli.batch import derived, expanded, over_files
 from kreisel.cli.filters import add_filter_arguments, chosen_filter, tuning_help
-from kreisel.cli.inputs import add_input_arguments, check_units, read_content
-from kreisel.cli.outputs import summary_stream
+from kreisel.cli.inputs import add_input_arguments, check_units, read_content, world
+from kreisel.cli.outputs import check_format, summary_stream
+from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
+from kreisel.cli.values import UsageError, one_of
 from kreisel.data.attitude import AttitudeHistory
-from kreisel.data.checks import choice
 from kreisel.data.facts import clock_of
-from kreisel.data.frames import WORLDS, from_enu_flu, to_enu_flu
+from kreisel.data.frames import from_enu_flu, to_enu_flu
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trial import Trial
 from kreisel.files.doors import format_names, write
@@ -54,41 +55,62 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument("-o", "--output", metavar="OUT", help="file, or for several inputs folder, to write")
     known = ", ".join(format_names(AttitudeHistory))
     parser.add_argument(
-        "--to", metavar="FORMAT", help=f"{known} (default: by OUT's suffix, or tum in a folder)"
+        "--to",
+        metavar="FORMAT",
+        type=one_of(lambda: format_names(AttitudeHistory)),
+        help=f"{known} (default: by OUT's suffix, or tum in a folder)",
     )
     parser.add_argument(
-        "--to-frame", metavar="WORLD", help="world of the output (default: that of the input)"
+        "--to-frame", metavar="WORLD", type=world, help="world of the output (default: that of the input)"
     )
     parser.add_argument(
         "--picture", metavar="PICTURE", help="draw the attitude: .png, .svg or .pdf; one input"
     )
-    parser.add_argument("--json", action="store_true", help="machine-readable summary, with a schema version")
+    add_report_arguments(parser, dry_run=True)
     parser.epilog = _EXAMPLES
 
 
 def run(args: Namespace) -> int:
-    """Read, check, estimate, write, sum up; the first file that is not sound ends the command."""
+    """Read, check, estimate, write, sum up."""
     if "help" in args.set:
         print(tuning_help(args.filter))
         return 0
-    world = choice("--to-frame", args.to_frame or args.frame, tuple(WORLDS))
-    estimated, paths = _estimator(args), _paths(args.input)
-    outputs = _outputs(args, paths)
-    files = []
-    for path, output in zip(paths, outputs, strict=True):
+    estimated, paths = _estimator(args), expanded(args.input)
+    outputs = dict(zip(paths, _outputs(args, paths), strict=True))
+    if args.dry_run:
+        return _plan(args, outputs)
+
+    def one(path: str) -> dict[str, Any]:
         content = read_content(args, path)
         recording = _recording(path, content, args)
         attitude = estimated(recording)
+        output = outputs[path]
         if output is not None:
-            write(output, from_enu_flu(attitude, world), args.to)
+            if output != Path(args.output):
+                output.parent.mkdir(parents=True, exist_ok=True)
+            write(output, from_enu_flu(attitude, args.to_frame or args.frame), args.to)
         if args.picture is not None:
             _draw(attitude, args.picture)
-        files.append(_summary(path, output, recording, attitude, is_trial=isinstance(content, Trial)))
+        return _summary(path, output, recording, attitude, is_trial=isinstance(content, Trial))
+
+    batch = over_files(paths, one, "smoothing" if args.smooth else "estimating")
     if args.json:
-        print(json.dumps({"schema": SCHEMA, "filter": _described(args), "files": files}, indent=2))
-    else:
-        print("\n".join(_told(args, files)), file=summary_stream(args.output or ""))
-    return 0
+        print_json(
+            {"schema": SCHEMA, "filter": _described(args), "files": batch.done, "failed": batch.failed}
+        )
+    elif batch.done:
+        print("\n".join(_told(args, batch.done)), file=summary_stream(args.output or ""))
+    return batch.code
+
+
+def _plan(args: Namespace, outputs: Mapping[str, Path | None]) -> int:
+    def checked(path: str) -> tuple[str, str]:
+        return path, described(_recording(path, read_content(args, path), args))
+
+    batch = over_files(list(outputs), checked, "reading")
+    writes = [outputs[path] for path, _ in batch.done]
+    tell_plan(args, dict(batch.done), [*filter(None, writes), *([args.picture] if args.picture else [])])
+    return batch.code
 
 
 def _estimator(args: Namespace) -> Callable[[ImuRecording], AttitudeHistory]:
@@ -101,7 +123,7 @@ def _estimator(args: Namespace) -> Callable[[ImuRecording], AttitudeHistory]:
 
     filter = chosen_filter(args)
     if args.smooth and not isinstance(filter, SmoothingFilter):
-        raise ValueError(
+        raise UsageError(
             f"--smooth needs a filter that keeps a covariance: --filter mekf; got {args.filter}."
         )
     return partial(smooth if args.smooth else run, filter)
@@ -113,40 +135,14 @@ def _draw(attitude: AttitudeHistory, picture: str) -> None:
     show.save(show.plot_attitude(attitude), picture)
 
 
-def _paths(given: Sequence[str]) -> list[str]:
-    """The files given, patterns replaced by the files they fit."""
-    paths = []
-    for text in given:
-        found = [text] if Path(text).exists() or not glob.has_magic(text) else sorted(glob.glob(text))
-        if not found:
-            raise ValueError(f"no file fits {text!r}.")
-        paths += found
-    return list(dict.fromkeys(paths))
-
-
 def _outputs(args: Namespace, paths: Sequence[str]) -> list[Path | None]:
     """Where the attitude of each input goes: a file, or files named like the inputs in a folder."""
-    if args.to is not None:
-        choice("--to", args.to, format_names(AttitudeHistory))
     if args.picture is not None and len(paths) > 1:
-        raise ValueError(f"--picture is for one input; got {len(paths)}.")
+        raise UsageError(f"--picture is for one input; got {len(paths)}.")
     if args.output is None:
         return [None] * len(paths)
-    place = Path(args.output)
-    if len(paths) == 1 and not place.is_dir() and not args.output.endswith("/"):
-        outputs = [place]
-    else:
-        if place.exists() and not place.is_dir():
-            raise ValueError(f"-o must be a folder for {len(paths)} inputs; {place} is a file.")
-        place.mkdir(parents=True, exist_ok=True)
-        outputs = [place / f"{Path(path).stem}.{args.to or 'tum'}" for path in paths]
-    for path, output in zip(paths, outputs, strict=True):
-        if outputs.count(output) > 1:
-            raise ValueError(
-                f"two inputs would be written to {output}. Estimate them into folders of their own."
-            )
-        if output.exists() and output.samefile(path) and output.is_file():
-            raise ValueError(f"-o {output} is the input itself. Choose another name.")
+    outputs = derived(paths, args.output, f".{args.to or 'tum'}")
+    check_format(str(outputs[0]), args.to)
     return list(outputs)
 
 
@@ -154,9 +150,8 @@ def _recording(path: str, content: Any, args: Namespace) -> ImuRecording:
     """The IMU's part in our axes; units that cannot be are refused unless they are trusted."""
     data = content.recording if isinstance(content, Trial) else content
     if not isinstance(data, ImuRecording):
-        raise ValueError(
-            f"{path} holds {type(data).__name__}, not an IMU recording. Say --kind imu if it has both."
-        )
+        cure = " to take their mean rates" if isinstance(data, ImuIncrements) else " if it has both"
+        raise ValueError(f"{path} holds {type(data).__name__}, not an IMU recording. Say --kind imu{cure}.")
     recording = to_enu_flu(data, args.frame)
     check_units(recording, path, args.trust_units)
     return recording

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
-import json
 import math
-import sys
-from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from argparse import ArgumentParser, Namespace
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from kreisel.cli.outputs import Output, aligned, output_folder, picture, removed, write_json, write_outputs
+from kreisel.cli.notes import complain
+from kreisel.cli.outputs import (
+    Output,
+    aligned,
+    output_folder,
+    picture,
+    removed,
+    write_json,
+    write_outputs,
+    written,
+)
+from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
+from kreisel.cli.values import UsageError, as_typed, number, one_of
 
 if TYPE_CHECKING:
     from kreisel.data.attitude import AttitudeHistory
@@ -49,6 +59,7 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--align",
         metavar="WHAT",
+        type=one_of(("heading", "frame", "frame+sensor")),
         help="first remove the constant offset that fits best: heading (a turn about up), frame (any turn), "
         "frame+sensor (also one of the sensor's axes); default: compare as it is",
     )
@@ -65,17 +76,21 @@ def configure(parser: ArgumentParser) -> None:
         help="how the sensor is mounted, as kreisel simulate takes it, where TRUTH is the body's attitude",
     )
     parser.add_argument(
-        "--limit-deg", type=float, default=5.0, metavar="DEG", help="total error that is converged (5)"
+        "--limit-deg",
+        type=number("degrees", above=0.0),
+        default=5.0,
+        metavar="DEG",
+        help="total error that is converged (5)",
     )
     parser.add_argument(
         "-o", "--output", type=output_folder, metavar="FOLDER", help="folder for pictures and summary.json"
     )
-    parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
+    add_report_arguments(parser, dry_run=True)
     for name, text in _LIMITS.items():
         parser.add_argument(
             f"--max-{name.replace('_', '-')}",
             dest=name,
-            type=float,
+            type=number(lowest=0.0),
             metavar=name.rpartition("_")[2].upper(),
             help=f"largest {text} allowed",
         )
@@ -88,6 +103,10 @@ def run(args: Namespace) -> int:
 
     truth = _truth(args.truth, args.truth_topic or ())
     estimate = _estimate(args.estimate, args.estimate_topic or (), args.imu)
+    outputs = _outputs(truth, estimate, args.limit_deg)
+    if args.dry_run:
+        reads = {args.truth: described(truth), args.estimate: described(estimate)}
+        return tell_plan(args, reads, written(args.output, outputs))
     errors = attitude_errors(truth, estimate, align=args.align, clock_offset=args.clock_offset)
     summary = errors.summary(args.limit_deg)
     limits = _limits(args, summary)
@@ -101,10 +120,9 @@ def run(args: Namespace) -> int:
     }
     files = []
     if args.output is not None:
-        outputs = _outputs(truth, estimate, args.limit_deg)
         files = write_outputs(args.output, outputs, (report, errors))
     if args.json:
-        print(json.dumps(report, indent=2, allow_nan=False))
+        print_json(report)
     else:
         _print(args, errors, summary, files)
     return _complain_of(limits)
@@ -118,17 +136,18 @@ def _clock_offset(text: str) -> float | str:
     except ValueError:
         offset = math.nan
     if not math.isfinite(offset):
-        raise ArgumentTypeError(f"takes a number of seconds or the word estimate; got {text!r}")
+        raise UsageError(f"takes a number of seconds or the word estimate; got {text!r}.")
     return offset
 
 
 def _truth(path: str, topic: str | tuple[()]) -> Truth:
+    from kreisel.data.increments import ImuIncrements
     from kreisel.data.recording import ImuRecording
     from kreisel.data.trial import Trial
     from kreisel.files.doors import read
 
     data = read(path, topic=topic)
-    if isinstance(data, ImuRecording):
+    if isinstance(data, ImuRecording | ImuIncrements):
         raise ValueError(f"{path} is an IMU recording and has no attitude to compare with.")
     return data.reference if isinstance(data, Trial) else data
 
@@ -146,7 +165,9 @@ def _estimate(path: str, topic: str | tuple[()], imu: str | None) -> AttitudeHis
     from kreisel.cli.commands.simulate import parse_mount
 
     # Bias and flags stay those of the sensor, whatever frame the attitude is that of.
-    return replace(data, R_NS=data.body(parse_mount(imu)).R_NS)
+    with as_typed():
+        mount = parse_mount(imu)
+    return replace(data, R_NS=data.body(mount).R_NS)
 
 
 def _limits(args: Namespace, summary: Summary) -> list[dict[str, Any]]:
@@ -164,7 +185,7 @@ def _complain_of(limits: list[dict[str, Any]]) -> int:
     missed = [limit for limit in limits if not limit["held"]]
     for limit in missed:
         value = "never" if limit["value"] is None else f"{limit['value']:.4g}"
-        sys.stderr.write(f"kreisel: {_LIMITS[limit['name']]}: {value}, allowed {limit['limit']:g}\n")
+        complain(f"{_LIMITS[limit['name']]}: {value}, allowed {limit['limit']:g}")
     return 3 if missed else 0
 
 

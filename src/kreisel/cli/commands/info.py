@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
@@ -11,7 +10,9 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
+from kreisel.cli.batch import expanded, over_files
 from kreisel.cli.inputs import add_input_arguments, read_input
+from kreisel.cli.reports import add_report_arguments, print_json
 from kreisel.data.facts import Clock, Facts, facts
 from kreisel.files.doors import listing
 from kreisel.files.formats import Topic, Undecided
@@ -24,6 +25,7 @@ _NOUNS = {
     "Poses": "poses",
     "Motion": "complete motion",
     "ImuRecording": "IMU recording",
+    "ImuIncrements": "IMU increments",
     "AttitudeHistory": "attitude over time",
     "Reference": "reference attitude",
 }
@@ -36,18 +38,24 @@ _NOTHING_TO_READ = "None of its topics has an IMU or poses."
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     add_input_arguments(parser, many=True)
-    parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
+    add_report_arguments(parser)
 
 
 def run(args: Namespace) -> int:
-    """Report on every file; the first that cannot be read ends the command."""
-    found = [(path, listing(path, args.from_format), _facts(args, path)) for path in args.input]
+    """Report on every file."""
+    batch = over_files(
+        expanded(args.input),
+        lambda path: (path, listing(path, args.from_format), _facts(args, path)),
+        "reading",
+    )
     if args.json:
-        files = [{"file": path, **_topics_json(topics), **_as_json(what)} for path, topics, what in found]
-        print(json.dumps({"schema": "kreisel.info/1", "files": files}, indent=2))
+        files = [
+            {"file": path, **_topics_json(topics), **_as_json(what)} for path, topics, what in batch.done
+        ]
+        print_json({"schema": "kreisel.info/1", "files": files, "failed": batch.failed})
     else:
-        print("\n\n".join("\n".join(_report(*each)) for each in found))
-    return 0
+        print("\n\n".join("\n".join(_report(*each)) for each in batch.done))
+    return batch.code
 
 
 def _facts(args: Namespace, path: str) -> Facts | Undecided:

@@ -17,10 +17,11 @@ import numpy as np
 
 from kreisel.atomic import refuse_unwritable
 from kreisel.cli.filters import add_filter_arguments, chosen_filter, tuning_help
-from kreisel.cli.inputs import parse_columns
+from kreisel.cli.inputs import check_unit, parse_columns
 from kreisel.cli.lines import Lines, Sample
+from kreisel.cli.outputs import check_format
+from kreisel.cli.values import number, one_of
 from kreisel.data.attitude import AttitudeHistory
-from kreisel.data.checks import choice
 from kreisel.data.facts import impossible_units
 from kreisel.data.recording import ImuRecording
 from kreisel.estimate.stream import Stream
@@ -65,7 +66,9 @@ class _View(Protocol):
 
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
-    parser.add_argument("--rate", type=float, metavar="HZ", help="rate of lines that hold no time")
+    parser.add_argument(
+        "--rate", type=number("hertz", above=0.0), metavar="HZ", help="rate of lines that hold no time"
+    )
     for name, ours in (("time", "s"), ("gyro", "rad/s"), ("accel", "m/s^2"), ("mag", "uT")):
         parser.add_argument(
             f"--{name}-unit", metavar="UNIT", help=f"where no header names it (default: {ours})"
@@ -81,7 +84,12 @@ def configure(parser: ArgumentParser) -> None:
         "--trust-units", action="store_true", help="go on even where the numbers look like g or deg/s"
     )
     parser.add_argument("-o", "--output", metavar="OUT", help="file to keep the attitude in at the end")
-    parser.add_argument("--to", metavar="FORMAT", help=f"{', '.join(format_names(AttitudeHistory))}")
+    parser.add_argument(
+        "--to",
+        metavar="FORMAT",
+        type=one_of(lambda: format_names(AttitudeHistory)),
+        help=f"{', '.join(format_names(AttitudeHistory))}",
+    )
     parser.epilog = _EXAMPLES
 
 
@@ -91,9 +99,12 @@ def run(args: Namespace) -> int:
         print(tuning_help(args.filter))
         return 0
     if args.output is not None:
+        check_format(args.output, args.to)
         refuse_unwritable(args.output)
-        _ = args.to and choice("--to", args.to, format_names(AttitudeHistory))
     units = {"t": args.time_unit, "gyro": args.gyro_unit, "accel": args.accel_unit, "mag": args.mag_unit}
+    for group, unit in units.items():
+        if unit is not None:
+            check_unit(f"--{'time' if group == 't' else group}-unit", unit, group)
     lines = Lines(units, args.rate, parse_columns(args.column))
     filter = chosen_filter(args)
     samples, stream = _Samples(), Stream(filter)

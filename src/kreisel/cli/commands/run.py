@@ -21,8 +21,13 @@ from kreisel.cli.outputs import (
     simulation_outputs,
     write_json,
     write_outputs,
+    written,
 )
+from kreisel.cli.progress import Progress
+from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
+from kreisel.cli.sensor_options import describe_sensor, sensor_called
 from kreisel.cli.surroundings import describe_field, describe_gravity, describe_place
+from kreisel.cli.values import UsageError
 from kreisel.files.doors import write
 
 if TYPE_CHECKING:
@@ -43,11 +48,10 @@ docs/scenarios.md explains every key; examples/scenarios/ has files to begin wit
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument("scenario", metavar="SCENARIO", help="TOML file with the scenario")
-    either = parser.add_mutually_exclusive_group(required=True)
-    either.add_argument(
+    parser.add_argument(
         "-o", "--output", metavar="FOLDER", type=output_folder, help="folder for what is made"
     )
-    either.add_argument("--dry-run", action="store_true", help="check the scenario and write nothing")
+    add_report_arguments(parser, dry_run=True)
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.epilog = _EXAMPLES
 
@@ -58,17 +62,27 @@ def run(args: Namespace) -> int:
     from kreisel.study.scenario import Scenario
 
     started = time.perf_counter()
+    if args.output is None and not args.dry_run:
+        raise UsageError(
+            "run needs a folder for what it makes: -o FOLDER; or --dry-run to look for mistakes."
+        )
     scenario = Scenario.load(args.scenario)
     outputs = _outputs(scenario, pictures=not args.no_pictures)
     check_outputs(args.output or Path(), outputs)
     if args.dry_run:
         t = build(scenario).t
-        print(f"{args.scenario}: sound; {len(t)} samples from {t[0]:.6g} to {t[-1]:.6g} s, nothing written")
-        return 0
+        reads = {args.scenario: f"{len(t)} samples from {t[0]:.6g} to {t[-1]:.6g} s"}
+        return tell_plan(args, reads, written(args.output, outputs))
     from kreisel.study.run import run as run_scenario
 
-    result = run_scenario(scenario)
+    imus, filters = len(scenario.imus), len(scenario.filters)
+    with Progress(imus * (1 + filters), "IMUs and filters") as progress:
+        result = run_scenario(scenario, on_done=progress.advance)
     lines = write_outputs(args.output, outputs, result)
+    if args.json:
+        files = [str(path) for path in written(args.output, outputs)]
+        print_json(result.report() | {"files": files})
+        return 0
     print("\n".join(_described(scenario, result)))
     print("\n".join(f"  {line}" for line in describe_notes(result.motion.notes)))
     print(errors_table(result.estimates))
@@ -83,9 +97,10 @@ def _described(scenario: Scenario, result: Result) -> list[str]:
     t, recipe = result.motion.t, scenario.trajectory
     kind = recipe.kind if isinstance(recipe, TrajectoryRecipe) else type(recipe).__name__
     span = f"{len(t)} samples from {t[0]:.6g} to {t[-1]:.6g} s"
-    sensors = ", ".join(dict.fromkeys(imu.sensor or "ideal sensor" for imu in scenario.imus))
+    sensors = ", ".join(dict.fromkeys(map(sensor_called, scenario.imus)))
     lines = [f"{scenario.name or 'scenario'}: {kind}, {span}, {sensors}, seed {scenario.seed}"]
-    return [*lines, *_surroundings(scenario)]
+    changed = [line for imu in scenario.imus for line in describe_sensor(imu, f"  {imu.name}, ")]
+    return [*lines, *changed, *_surroundings(scenario)]
 
 
 def _surroundings(scenario: Scenario) -> list[str]:
@@ -127,12 +142,12 @@ def errors_table(estimates: Sequence[Estimate]) -> str:
 
 def _outputs(scenario: Scenario, pictures: bool) -> list[Output[Result]]:
     """Every file that a run of `scenario` writes."""
+    from kreisel.study.building import imus as made_of
     from kreisel.study.building import surroundings
-    from kreisel.study.sensor import errs, sensor_imu
+    from kreisel.study.sensor import errs
 
     imus, world = [imu.name for imu in scenario.imus], surroundings(scenario.environment)
-    made = [sensor_imu(imu.sensor, environment=world, folder=scenario.folder) for imu in scenario.imus]
-    erring = [name for name, imu in zip(imus, made, strict=True) if errs(imu)]
+    erring = [imu.mount.name for imu in made_of(scenario, world) if errs(imu)]
     magnetometer = world.field_N_uT is not None
     outputs: list[Output[Result]] = [
         *simulation_outputs(imus, erring=erring, magnetometer=magnetometer, pictures=pictures),

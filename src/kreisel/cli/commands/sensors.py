@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from argparse import ArgumentParser, Namespace
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kreisel.cli.reports import add_report_arguments, print_json
 from kreisel.cli.tables import plain, print_table
+from kreisel.cli.values import UsageError, number, sensor_name
 from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.noise import ALLAN_FLOOR, NoiseModel
 
@@ -20,10 +21,13 @@ if TYPE_CHECKING:
 
 HELP = "sensors to simulate, from their datasheets; one with its numbers and where they are stated"
 
+SCHEMA = "kreisel.sensors/1"
+
 _EXAMPLES = """\
 examples:
   kreisel sensors                        all presets
   kreisel sensors bmi088                 one, each value with its source
+  kreisel sensors --keys                 every number of a datasheet that can be given, with its unit
   kreisel sensors imu.yaml               what the numbers of a kalibr file mean
   kreisel sensors mine.toml --kalibr imu.yaml --rate 200
   kreisel sensors bmi088 --kalibr imu.yaml --rate 200 --gyro-walk 2e-5 --accel-walk 3e-4
@@ -54,6 +58,18 @@ _SHOWN = {
 _WALKS = {"gyro": "rad/s^2/sqrt(Hz)", "accel": "m/s^3/sqrt(Hz)"}
 _RANGES = {"gyro": "gyro_range_deg_per_s", "accel": "accel_range_g"}
 _UNITS = {"gyro": "rad/s", "accel": "m/s^2", "mag": "uT"}
+# The same of what is no noise: its SI unit.
+_ERRORS = {
+    "g_sensitivity": "rad/s per m/s^2",
+    "temperature_bias": "{}/K",
+    "temperature_scale": "1/K",
+    "cubic": "1/({})^2, of x^3",
+    "fixed_bias": "{}",
+    "fixed_scale": "relative",
+    "fixed_g_sensitivity": "rad/s per m/s^2",
+    "fixed_temperature_bias": "{}/K",
+    "fixed_temperature_scale": "1/K",
+}
 _SI = {
     "white_noise": "{}/sqrt(Hz)",
     "bias_instability": "{}",
@@ -65,18 +81,31 @@ _SI = {
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument(
-        "sensor", nargs="?", metavar="SENSOR", help="a preset, a .toml file, or kalibr's .yaml"
+        "sensor",
+        nargs="?",
+        type=sensor_name,
+        metavar="SENSOR",
+        help="a preset, a .toml file, or kalibr's .yaml",
     )
-    parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
+    add_report_arguments(parser)
+    parser.add_argument(
+        "--keys",
+        action="store_true",
+        help="the names by which numbers of a datasheet are given, with unit and meaning",
+    )
     parser.add_argument("--kalibr", metavar="FILE", help="also write the sensor's noise as kalibr's imu.yaml")
     for name, unit in _WALKS.items():
         parser.add_argument(
-            f"--{name}-walk", type=float, metavar="K",
+            f"--{name}-walk", type=number(unit, lowest=0.0), metavar="K",
             help=f"random walk of its bias to write there, {unit}, in place of the sensor's own: few datasheets state "
             "any, and kalibr needs one",
         )  # fmt: skip
     parser.add_argument(
-        "--rate", type=float, default=200.0, metavar="HZ", help="rate to write there (default 200)"
+        "--rate",
+        type=number("hertz", above=0.0),
+        default=200.0,
+        metavar="HZ",
+        help="rate to write there (default 200)",
     )
     parser.epilog = _EXAMPLES
 
@@ -85,9 +114,12 @@ def run(args: Namespace) -> int:
     """List all, or show one."""
     from kreisel.simulate.presets import GRADES, load, names
 
+    if args.keys:
+        _list_keys(args.json)
+        return 0
     if args.sensor is None:
         if args.kalibr:
-            raise ValueError("--kalibr writes one sensor; name it: kreisel sensors SENSOR --kalibr FILE.")
+            raise UsageError("--kalibr writes one sensor; name it: kreisel sensors SENSOR --kalibr FILE.")
         presets = sorted(map(load, names()), key=lambda preset: GRADES.index(preset.grade))
         _list(presets, args.json)
         return 0
@@ -106,9 +138,9 @@ def run(args: Namespace) -> int:
         write_kalibr(args.kalibr, KalibrImu(gyro, accel, args.rate))
     if args.json:
         told = _preset_json(preset) if preset else {"name": args.sensor, "noise": _noise_json(models)}
-        print(json.dumps({"schema": "kreisel.sensors/1", "sensors": [told]}, indent=2))
+        print_json({"schema": SCHEMA, "sensors": [told]})
     else:
-        print("\n".join([*(_stated(preset) if preset else [args.sensor]), *_meaning(models)]))
+        print("\n".join([*(_stated(preset) if preset else [args.sensor]), *_meaning(models, preset)]))
         if args.kalibr:
             print(f"\n{args.kalibr}  written for kalibr")
     return 0
@@ -121,7 +153,7 @@ def _walking(model: NoiseModel, walk: float | None) -> NoiseModel:
 def _list(presets: list[Preset], as_json: bool) -> None:
     if as_json:
         told = [_preset_json(preset) for preset in presets]
-        print(json.dumps({"schema": "kreisel.sensors/1", "sensors": told}, indent=2))
+        print_json({"schema": SCHEMA, "sensors": told})
         return
     header = (
         "sensor",
@@ -138,6 +170,22 @@ def _list(presets: list[Preset], as_json: bool) -> None:
     print(
         "\nrandom walk N, bias instability (floor of the Allan deviation), range in deg/s and g, magnetometer; "
         "- is not stated. kreisel sensors SENSOR shows more."
+    )
+
+
+def _list_keys(as_json: bool) -> None:
+    from kreisel.simulate.datasheet import PARAMETERS
+
+    if as_json:
+        told = {name: {"unit": p.unit, "meaning": p.meaning} for name, p in PARAMETERS.items()}
+        print_json({"schema": SCHEMA, "keys": told})
+        return
+    width, units = max(map(len, PARAMETERS)), max(len(p.unit) for p in PARAMETERS.values())
+    for name, p in PARAMETERS.items():
+        print(f"{name:<{width}}  {p.unit:<{units}}  {p.meaning}")
+    print(
+        "\none number, or one per axis; one sigma is drawn in every run. dps, dph and per_degC stand for deg_per_s, "
+        "deg_per_h and per_K.\ndocs/datasheets.md says how each becomes a model."
     )
 
 
@@ -176,8 +224,8 @@ def _stated(preset: Preset) -> list[str]:
     return lines
 
 
-def _meaning(models: dict[str, NoiseModel]) -> list[str]:
-    """What the noise is in customary and in SI units; of axes that differ the noisiest."""
+def _meaning(models: dict[str, NoiseModel], preset: Preset | None = None) -> list[str]:
+    """What noise and other errors are in customary and in SI units; of axes that differ the largest."""
     rows = []
     for sensor, model in models.items():
         unit = _UNITS[sensor]
@@ -190,7 +238,29 @@ def _meaning(models: dict[str, NoiseModel]) -> list[str]:
                 rows.append(
                     (f"  {sensor} {meaning}", f"{value * factor:.4g} {customary}", f"{shown:.4g} {si}")
                 )
+    rows += _meant(preset) if preset else []
     return ["", *plain(("which means, simulated", "", "in SI units"), rows)] if rows else []
+
+
+def _meant(preset: Preset) -> list[tuple[str, str, str]]:
+    """Rows of `_meaning` for what is no noise."""
+    from kreisel.simulate.datasheet import PARAMETERS
+
+    rows, triads = [], preset.triads()._asdict()
+    for name, value in preset.values.items():
+        sensor, p = name.split("_")[0], PARAMETERS[name]
+        if p.settles in _ERRORS and np.any(value):
+            k = int(np.argmax(np.abs(value)))
+            stated, si = np.ravel(value)[k], np.broadcast_to(getattr(triads[sensor], p.settles), 3)[k]
+            unit = _ERRORS[p.settles].format(_UNITS[sensor])
+            rows.append(
+                (
+                    f"  {sensor} {p.meaning.split(', largest')[0]}",
+                    f"{stated:.4g} {p.unit}",
+                    f"{si:.4g} {unit}",
+                )
+            )
+    return rows
 
 
 def _noise_json(models: dict[str, NoiseModel]) -> dict[str, Any]:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import time
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kreisel.cli.courses import add_course_arguments, read_course
-from kreisel.cli.inputs import add_input_arguments
+from kreisel.cli.inputs import add_input_arguments, rate, world
 from kreisel.cli.outputs import (
     Simulation,
     aligned,
@@ -21,6 +22,16 @@ from kreisel.cli.outputs import (
     output_folder,
     simulation_outputs,
     write_outputs,
+    written,
+)
+from kreisel.cli.progress import Progress
+from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
+from kreisel.cli.sensor_options import (
+    add_sensor_arguments,
+    describe_sensor,
+    made,
+    sensor_called,
+    sensor_recipe,
 )
 from kreisel.cli.surroundings import (
     add_place_arguments,
@@ -29,9 +40,11 @@ from kreisel.cli.surroundings import (
     describe_gravity,
     environment_at,
 )
+from kreisel.cli.values import UsageError, as_typed, one_of, sensor_name, whole
 from kreisel.data.checks import choice, file_name
 from kreisel.data.environment import Environment
 from kreisel.data.frames import WORLDS, to_enu_flu
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.files.doors import format_names
@@ -41,11 +54,17 @@ if TYPE_CHECKING:
 
 HELP = "IMU data of a body that moves along the poses, waypoints or segments in a file"
 
+SCHEMA = "kreisel.simulate/1"
+
 _EXAMPLES = """\
 examples:
   kreisel simulate poses.csv -o out/
   kreisel simulate poses.tum -o out/ --rate 400 --imu wrist:0.02,0,0.05
   kreisel simulate poses.csv -o out/ --imu bmi088 --seed 7
+  kreisel simulate poses.csv -o out/ --imu adis16495 --seed 7 --increments
+  kreisel simulate poses.csv -o out/ --imu bmi088 --set gyro_noise_deg_per_s_rthz=0.02 --clock jitter=1e-4,loss=0.01
+  kreisel simulate poses.csv -o out/ --imu bmi088 --temperature warm.csv --set gyro_temperature_bias_dps_per_degC=0.01
+  kreisel simulate poses.csv -o out/ --imu bmi088 --effect accel:vibration_lines:frequency=35,amplitude=0.5/0.2/1
   kreisel simulate poses.csv -o out/ --sensor bmi088 --imu left:0,0.1,0 --imu right:0,-0.1,0
   kreisel simulate path.csv -o out/ --orientation tangent --imu=-0.075,-0.075,0.025:0,0,90
   kreisel simulate mocap.csv -o out/ --noise 0.1mm,0.01deg --max-gap 0.5
@@ -74,73 +93,107 @@ def configure(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--sensor",
+        type=sensor_name,
         help="sensor of all IMUs that name none: a preset (see kreisel sensors), a preset file .toml, kalibr's .yaml "
         "or what kreisel calibrate wrote (default: perfect sensors)",
     )
     parser.add_argument(
-        "--seed", type=int, default=0, help="whole number from which noise is drawn (default 0)"
+        "--seed", type=whole(), default=0, help="whole number from which noise is drawn (default 0)"
     )
+    add_sensor_arguments(parser)
     add_place_arguments(parser)
-    parser.add_argument("--rate", type=float, metavar="HZ", help="IMU rate (default: the times of the poses)")
+    parser.add_argument("--rate", type=rate, metavar="HZ", help="IMU rate (default: the times of the poses)")
     parser.add_argument(
-        "--method", help="of poses: auto (default), spline, smooth or gradient (MATLAB's scheme)"
+        "--method",
+        type=one_of(("auto", "spline", "smooth", "gradient")),
+        help="of poses: auto (default), spline, smooth or gradient (MATLAB's scheme)",
     )
     parser.add_argument(
         "--orientation",
         help="tangent or transport, in place of the file's attitude; of waypoints and profiles tangent or level",
     )
     add_course_arguments(parser)
-    parser.add_argument("--to-frame", default="enu-flu", help=f"world of the output: {', '.join(WORLDS)}")
+    _add_output_arguments(parser)
+    parser.epilog = _EXAMPLES
+
+
+def _add_output_arguments(parser: ArgumentParser) -> None:
+    parser.add_argument(
+        "--increments",
+        action="store_true",
+        help="what navigation-grade units deliver: turn, velocity and, without errors, position of every interval "
+        "between the samples, in place of rates",
+    )
+    parser.add_argument(
+        "--to-frame", default="enu-flu", type=world, help=f"world of the output: {', '.join(WORLDS)}"
+    )
     parser.add_argument(
         "--imu-format",
         default="csv",
         metavar="FORMAT",
-        help=f"{', '.join(format_names(ImuRecording))} (default: csv)",
+        type=one_of(lambda: format_names(ImuRecording)),
+        help=f"{', '.join(format_names(ImuRecording))} (default: csv); "
+        f"with --increments {', '.join(format_names(ImuIncrements))}",
     )
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.add_argument("--animation", action="store_true", help="also write motion.gif")
     parser.add_argument("--rerun", action="store_true", help="also write motion.rrd for the Rerun viewer")
+    add_report_arguments(parser, dry_run=True)
     parser.add_argument(
         "--check",
         action="store_true",
         help="integrate the ideal IMU data, and those of a sensor with errors, back from the first pose and print how "
         "far each ends up from the truth",
     )
-    parser.epilog = _EXAMPLES
 
 
 def run(args: Namespace) -> int:
     """Read, differentiate, mount, write."""
-    from kreisel.study.sensor import errs, record_all, sensor_imu
+    from kreisel.study.sensor import add_up_all, errs, record_all
 
     started = time.perf_counter()
-    choice("--to-frame", args.to_frame, tuple(WORLDS))
-    choice("--frame", args.frame, tuple(WORLDS))
-    choice("--imu-format", args.imu_format, format_names(ImuRecording))
-    if args.seed < 0:
-        raise ValueError(f"--seed must be a whole number, 0 or more; got {args.seed}.")
-    given = [parse_imu(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
+    _check_increments(args)
+    with as_typed():
+        given = [parse_imu(text, k) for k, text in enumerate(args.imu or ["imu:0,0,0"])]
     mounts = [to_enu_flu(mount, args.frame) for mount, _ in given]
-    sensors = [sensor or args.sensor for _, sensor in given]
+    sensors = [named or args.sensor for _, named in given]
     environment = environment_at(args)
-    imus = [sensor_imu(sensor, mount, environment) for mount, sensor in zip(mounts, sensors, strict=True)]
-    outputs = simulation_outputs(
-        [mount.name for mount in mounts],
-        erring=[imu.mount.name for imu in imus if errs(imu)],
-        magnetometer=environment.field_N_uT is not None,
-        world=args.to_frame,
-        imu_format=args.imu_format,
-        pictures=not args.no_pictures,
-        animation=args.animation,
-        rerun=args.rerun,
-    )
-    check_outputs(args.output, outputs)
-    motion, held = read_course(args)
-    made = Simulation(motion, mounts, *record_all(imus, motion, args.seed))
-    lines = write_outputs(args.output, outputs, made)
-    told = ", ".join(dict.fromkeys(sensor or "ideal sensor" for sensor in sensors))
-    told += f", seed {args.seed}" if made.recorded else ""
-    print(f"{args.input}: {held} -> {len(motion)} IMU samples, {told}")
+    with as_typed():
+        recipe = sensor_recipe(args)
+    imus = [
+        made(replace(recipe, sensor=named), mount, environment)
+        for mount, named in zip(mounts, sensors, strict=True)
+    ]
+    with as_typed():
+        outputs = simulation_outputs(
+            [mount.name for mount in mounts],
+            erring=[imu.mount.name for imu in imus if errs(imu)],
+            magnetometer=environment.field_N_uT is not None,
+            increments=args.increments,
+            world=args.to_frame,
+            imu_format=args.imu_format,
+            pictures=not args.no_pictures,
+            animation=args.animation,
+            rerun=args.rerun,
+        )
+        check_outputs(args.output, outputs)
+    with Progress(None, "differentiating"):
+        motion, held = read_course(args)
+    if args.dry_run:
+        reads = {args.input: f"{held} -> {len(motion)} IMU samples"}
+        return tell_plan(args, reads, written(args.output, outputs))
+    read = add_up_all if args.increments else record_all
+    with Progress(len(imus), "IMUs") as progress:
+        simulation = Simulation(motion, mounts, *read(imus, motion, args.seed, progress.advance))
+    lines = write_outputs(args.output, outputs, simulation)
+    if args.json:
+        print_json(_report(args, motion, mounts, sensors, written(args.output, outputs)))
+        return 0
+    told = ", ".join(dict.fromkeys(named or sensor_called(recipe) for named in sensors))
+    told += f", seed {args.seed}" if simulation.recorded else ""
+    what = "increments" if args.increments else "samples"
+    print(f"{args.input}: {held} -> {len(simulation.recordings[0])} IMU {what}, {told}")
+    print("".join(f"{line}\n" for line in describe_sensor(recipe)), end="")
     if args.place is not None:
         print(f"  {_described(environment)}")
     print("\n".join(f"  {line}" for line in describe_notes(motion.notes)))
@@ -148,8 +201,45 @@ def run(args: Namespace) -> int:
     print(aligned(lines))
     if args.check:
         print("integrated back from the first pose, the largest errors are:")
-        print(aligned(_round_trips(imus, motion, made)))
+        print(aligned(_round_trips(imus, motion, simulation)))
     return 0
+
+
+def _report(
+    args: Namespace,
+    motion: Motion,
+    mounts: Sequence[Mount],
+    sensors: Sequence[str | None],
+    files: Sequence[Path],
+) -> dict[str, Any]:
+    """What was made, in SI units and the axes of ENU/FLU."""
+    return {
+        "schema": SCHEMA,
+        "file": args.input,
+        "samples": len(motion),
+        "start_s": float(motion.t[0]),
+        "end_s": float(motion.t[-1]),
+        "t0_ns": motion.t0_ns,
+        "seed": args.seed,
+        "imus": [
+            {"name": mount.name, "sensor": sensor, "p_BS_m": mount.p_BS.tolist(), "R_BS": mount.R_BS.tolist()}
+            for mount, sensor in zip(mounts, sensors, strict=True)
+        ],
+        "notes": [note.text for note in motion.notes],
+        "files": [str(path) for path in files],
+    }
+
+
+def _check_increments(args: Namespace) -> None:
+    """Refuse what units that add up cannot have."""
+    if not args.increments:
+        return
+    if args.date is not None:
+        raise UsageError(
+            "--date gives the IMUs magnetometers, which have no increments. Leave one of them out."
+        )
+    with as_typed():
+        choice("--imu-format", args.imu_format, format_names(ImuIncrements))
 
 
 def _round_trips(imus: Sequence[Imu], motion: Motion, made: Simulation) -> list[str]:
@@ -157,7 +247,8 @@ def _round_trips(imus: Sequence[Imu], motion: Motion, made: Simulation) -> list[
 
     lines: list[str] = []
     for imu, measured in zip(imus, made.recordings, strict=True):
-        lines += describe_round_trip(imu, motion, measured if errs(imu) else None)
+        shown = errs(imu) or isinstance(measured, ImuIncrements)
+        lines += describe_round_trip(imu, motion, measured if shown else None)
     return lines
 
 
@@ -174,10 +265,10 @@ def parse_imu(text: str, number: int = 0) -> tuple[Mount, str | None]:
     An IMU with a sensor and no name is called as the sensor is.
     """
     if "@" in text:
-        sensor, place = text.split("@", 1)
-        return parse_mount(place, number, Path(sensor).stem), sensor
+        named, place = text.split("@", 1)
+        return parse_mount(place, number, Path(named).stem), sensor_name(named)
     if text and "," not in text and ":" not in text:
-        return Mount(name=file_name("the NAME of --imu", Path(text).stem)), text
+        return Mount(name=file_name("the NAME of --imu", Path(text).stem)), sensor_name(text)
     return parse_mount(text, number), None
 
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from argparse import ArgumentParser, Namespace
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kreisel.cli.batch import expanded
 from kreisel.cli.filters import add_filter_arguments, chosen_filter, tuning_help
+from kreisel.cli.progress import Progress
+from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
+from kreisel.cli.values import as_typed, one_of, whole
 
 if TYPE_CHECKING:
     from kreisel.data.trial import Trial
@@ -39,13 +41,16 @@ def configure(parser: ArgumentParser) -> None:
     add_filter_arguments(parser)
     parser.add_argument("--vary", metavar="NAME,...", help="numbers to move (default: all that are positive)")
     parser.add_argument(
-        "--score", default="total", help="RMSE that is to fall: total, heading or inclination (total)"
+        "--score",
+        default="total",
+        type=one_of(("total", "heading", "inclination")),
+        help="RMSE that is to fall: total, heading or inclination (total)",
     )
     parser.add_argument(
-        "--draws", type=int, default=3, metavar="N", help="times that each scenario is simulated (3)"
+        "--draws", type=whole(1), default=3, metavar="N", help="times that each scenario is simulated (3)"
     )
     parser.add_argument("-o", "--output", metavar="FILE", help="file for the filter's table (.toml)")
-    parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
+    add_report_arguments(parser, dry_run=True)
     parser.epilog = _EXAMPLES
 
 
@@ -57,16 +62,29 @@ def run(args: Namespace) -> int:
     from kreisel.study.tune import tune
 
     filter = chosen_filter(args)
-    vary = None if args.vary is None else [name.strip() for name in args.vary.split(",")]
-    trials = [trial for text in args.trials for trial in _trials(text, args.draws)]
-    tuning = tune(filter, trials, vary=vary, score=args.score, progress=_progress(len(trials)))
+    vary = None if args.vary is None else _varied(filter, args.vary)
+    texts = expanded(args.trials)
+    trials = [trial for text in texts for trial in _trials(text, args.draws)]
+    if args.dry_run:
+        reads = {f"{k}: {trial.name or 'recording'}": described(trial) for k, trial in enumerate(trials, 1)}
+        return tell_plan(args, reads, [args.output] if args.output else [])
+    with Progress(None, f"trying settings on {len(trials)} recordings") as progress:
+        tuning = tune(filter, trials, vary=vary, score=args.score, progress=progress.reach)
     if args.output is not None:
         _write(args, tuning)
     if args.json:
-        print(json.dumps(_report(args, tuning), indent=2, allow_nan=False))
+        print_json(_report(args, tuning))
     else:
         _print(args, tuning)
     return 0
+
+
+def _varied(filter: Any, text: str) -> list[str]:
+    from kreisel.data.checks import choice
+    from kreisel.study.tune import tunable
+
+    with as_typed():
+        return [choice("--vary", name.strip(), tunable(filter)) for name in text.split(",")]
 
 
 def _trials(text: str, draws: int) -> list[Trial]:
@@ -80,8 +98,6 @@ def _trials(text: str, draws: int) -> list[Trial]:
     from kreisel.study.trials import paired, simulated
 
     if text.endswith(".toml"):
-        if draws < 1:
-            raise ValueError(f"--draws must be 1 or more; got {draws}.")
         return simulated(Scenario.load(text), draws)
     # A file whose own name has the sign comes first.
     imu, equals, truth = (text, "", "") if Path(text).exists() else text.partition("=")
@@ -95,17 +111,6 @@ def _trials(text: str, draws: int) -> list[Trial]:
     if not isinstance(trial, Trial):
         raise ValueError(f"{imu} has no truth in it. Name it: {imu}=TRUTH.")
     return [trial]
-
-
-def _progress(trials: int) -> Any:
-    """A line on stderr where a person looks on."""
-    if not sys.stderr.isatty():
-        return None
-
-    def show(settings: int) -> None:
-        sys.stderr.write(f"\r\x1b[K{settings} settings on {trials} recordings")
-
-    return show
 
 
 def _write(args: Namespace, tuning: Tuning) -> None:
@@ -144,8 +149,6 @@ def _report(args: Namespace, tuning: Tuning) -> dict[str, Any]:
 def _print(args: Namespace, tuning: Tuning) -> None:
     from kreisel.cli.tables import print_table
 
-    if sys.stderr.isatty():
-        sys.stderr.write("\r\x1b[K")
     rows = [[g.recording, f"{g.default_deg:.3f}", f"{g.proposed_deg:.3f}"] for g in tuning.left_out]
     means = [
         sum(getattr(g, name) for g in tuning.left_out) / len(rows) for name in ("default_deg", "proposed_deg")

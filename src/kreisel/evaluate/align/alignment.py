@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from kreisel.data.calibration import Calibration, TriadCalibration
+from kreisel.data.cards import Card, Shown
 from kreisel.data.checks import Array, read_only
 from kreisel.data.motion import Mount, Note
 from kreisel.data.recording import ImuRecording
@@ -47,7 +48,7 @@ class Found(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Alignment:
+class Alignment(Shown):
     """What `align` found. What it was not asked for has the value it was given and is not in `errors`.
 
     Standard errors hold for a trajectory without error. They allow for residuals that hang together over time;
@@ -84,6 +85,17 @@ class Alignment:
             values |= {f"{name}_bias": sensor.bias, f"{name}_scale": sensor.scale}
             values[f"{name}_clock"] = np.array([sensor.clock])
         return (Found(n, UNITS[n], values[n], self.errors[n]) for n in SIZES if n in self.errors)
+
+    def card(self) -> Card:
+        """What was estimated, with standard errors, and how far readings and twin are apart."""
+        rows = [
+            (f.name.replace("_", " "), f.unit, _numbers(f.values), _numbers(f.errors)) for f in self.found
+        ]
+        twins = ((name, getattr(self, name), unit) for name, unit in (("gyro", "rad/s"), ("accel", "m/s^2")))
+        rmse = (
+            f"{name} RMSE against the twin: {sensor.total_rmse:.3g} {unit}" for name, sensor, unit in twins
+        )
+        return Card("Alignment", ("", "unit", "value", "standard error"), rows, tuple(rmse))
 
     def _triad(self, name: str) -> TriadCalibration:
         sensor = self.gyro if name == "gyro" else self.accel
@@ -151,3 +163,7 @@ def correlated(readings: Array, twin: Array) -> float:
     a, b = (x[both] - x[both].mean(axis=0) for x in (readings, twin))
     size = float(np.sqrt(np.square(a).sum() * np.square(b).sum()))
     return float(np.sum(a * b)) / size if size > 0.0 else 0.0
+
+
+def _numbers(values: Array) -> str:
+    return "  ".join(f"{x:.4g}" for x in values)

@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import BinaryIO, Protocol
 
 from kreisel.data.attitude import AttitudeHistory, Reference
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
 from kreisel.data.trial import Trial
 
-Noun = Poses | Motion | ImuRecording | AttitudeHistory | Reference
+Noun = Poses | Motion | ImuRecording | ImuIncrements | AttitudeHistory | Reference
 Content = Noun | Trial
 """What a file may hold: one noun, or a recording with its reference."""
 

@@ -11,9 +11,12 @@ import numpy as np
 
 from kreisel.data.attitude import AttitudeHistory, Mask, Reference
 from kreisel.data.checks import Array, radians
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
+from kreisel.data.tables import INCREMENTS, at_ends
 from kreisel.data.trajectory import Poses
+from kreisel.files.arrays import chosen_kind
 from kreisel.files.columns import GROUPS, Column, bind
 from kreisel.files.formats import Noun, ReadOptions
 from kreisel.files.stamps import seconds_text, to_nanoseconds
@@ -38,7 +41,7 @@ from kreisel.maths.rotations import (
 )
 
 SUFFIX = ".csv"
-HOLDS = (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
+HOLDS = (Poses, Motion, ImuRecording, ImuIncrements, AttitudeHistory, Reference)
 OPTIONS = frozenset({"columns", "rate_hz"})
 KEEPS = "every bit of every number, epoch stamps to the nanosecond; attitude as a quaternion, to 1e-15"
 
@@ -47,8 +50,12 @@ _MOTION = ("p", "v", "a", "omega", "alpha")
 _MOTION_SIGMAS = ("theta_sigma", "a_sigma", "omega_sigma", "alpha_sigma")
 _IMU_SIGMAS = ("gyro_sigma", "accel_sigma")
 _FLAGS = ("rest", "disturbed", "held", "counts")
+# What makes a kind, in the order of preference, and what lacks where half of one is there.
+_NEEDED = {"poses": {"p"}, "imu": {"gyro", "accel"}, "increments": {"dtheta", "dv"}}
+_PARTNERS = (("gyro", "accel"), ("accel", "gyro"), ("dtheta", "dv"), ("dv", "dtheta"))
 _GROUPS_OF = {
     "imu": ("gyro", "accel", "mag", *_IMU_SIGMAS),
+    "increments": INCREMENTS,
     "poses": ("p", "q", "phi", "v"),
     "motion": ("p", "q", "phi", "v", "a", "omega", "alpha", *_MOTION_SIGMAS),
     "attitude": ("q", "phi", "gyro_bias", "a", "sigma", "rest", "disturbed", "held"),
@@ -101,7 +108,7 @@ def write(data: Noun, out: BinaryIO) -> None:
     else:
         names.insert(0, "t [s]")
         stamps = seconds_text(data.t, 0)
-    columns = [column for array in groups.values() for column in array.reshape(len(data), -1).T]
+    columns = [column for array in groups.values() for column in array.reshape(len(array), -1).T]
     write_rows(out, ",".join(names), [stamps, *map(_printable, columns)], ",")
 
 
@@ -121,6 +128,9 @@ def _contents(data: Noun) -> dict[str, Array | Mask]:
     if isinstance(data, ImuRecording):
         found = {"gyro": data.gyro, "accel": data.accel, "mag": data.mag_uT}
         found |= {group: getattr(data, group) for group in _IMU_SIGMAS}
+    elif isinstance(data, ImuIncrements):
+        known = {name: getattr(data, name) for name in INCREMENTS}
+        found = {name: None if x is None else at_ends(name, x) for name, x in known.items()}
     elif isinstance(data, Reference):
         found = {"q": _quat_where_known(data), "counts": data.counts}
     elif isinstance(data, AttitudeHistory):
@@ -176,22 +186,20 @@ def _headers(file: TextFile, delimiter: str | None) -> tuple[TextFile, list[str]
 
 def _kind(path: Path, found: Mapping[str, Column], headers: list[str], asked: str | None) -> str:
     groups = {g for g, (names, _, _) in GROUPS.items() if names[0] in found}
-    imu, poses = {"gyro", "accel"} <= groups, "p" in groups
+    kinds = [kind for kind, needed in _NEEDED.items() if needed <= groups]
     turned = "q" in groups or "phi" in groups
-    if turned and (asked in ("attitude", "reference") or not (imu or poses)):
+    if turned and (asked in ("attitude", "reference") or not kinds):
         return "reference" if "counts" in groups and asked != "attitude" else "attitude"
-    if imu and poses and asked is None:
-        raise ValueError(
-            f"{path} has both positions and IMU columns. Say which: kind='poses' or kind='imu' (--kind)."
-        )
-    if (asked == "imu" or not poses) and imu:
-        return "imu"
-    if poses:
-        return "motion" if {*_MOTION} <= groups and turned else "poses"
-    lacking = "accel_x" if "gyro" in groups else "gyro_x" if "accel" in groups else "p_x"
+    if kinds:
+        try:
+            kind = chosen_kind(kinds, asked)
+        except ValueError as error:
+            raise ValueError(f"{path} {error}") from None
+        return "motion" if kind == "poses" and {*_MOTION} <= groups and turned else kind
+    lacking = next((f"{other}_x" for one, other in _PARTNERS if one in groups), "p_x")
     raise ValueError(
-        f"{path}: no column {lacking}. Needed are positions (p_x ...), attitude (q_w ...) or an IMU "
-        f"(gyro_x ..., accel_x ...). "
+        f"{path}: no column {lacking}. Needed are positions (p_x ...), attitude (q_w ...), an IMU "
+        f"(gyro_x ..., accel_x ...) or increments (dtheta_x ..., dv_x ...). "
         f"The file has: {', '.join(headers)}. Name foreign columns with --column {lacking}='HEADER [UNIT]'."
     )
 
@@ -245,6 +253,8 @@ def _noun(kind: str, file: TextFile, t: Array, t0_ns: int, columns: dict[str, Ar
     if kind == "imu":
         sigmas = {group: columns.get(group) for group in _IMU_SIGMAS}
         return ImuRecording(t, columns["gyro"], columns["accel"], columns.get("mag"), t0_ns, name, **sigmas)
+    if kind == "increments":
+        return _increments(file, t, t0_ns, columns)
     R = _attitude(file, columns)
     if R is None or kind == "poses":
         return Poses(t, columns["p"], R, columns.get("v"), t0_ns, name)
@@ -258,6 +268,19 @@ def _noun(kind: str, file: TextFile, t: Array, t0_ns: int, columns: dict[str, Ar
     bias, a_N, sigma = (columns.get(group) for group in ("gyro_bias", "a", "sigma"))
     rest, disturbed, held = (flags.get(group) for group in ("rest", "disturbed", "held"))
     return AttitudeHistory(t, R, bias, a_N, sigma, rest, disturbed, held, t0_ns, name)
+
+
+def _increments(file: TextFile, t: Array, t0_ns: int, columns: Mapping[str, Array]) -> ImuIncrements:
+    """Every row holds what was gained since the row before; the first has only its stamp."""
+    if any(np.isfinite(rows[0]).any() for rows in columns.values()):
+        raise file.error(
+            0,
+            "the first row is where the first interval begins, and has no increments yet: put a row with that stamp "
+            "and empty fields before yours.",
+            "dtheta_x",
+        )
+    rows = {name: values[1:] for name, values in columns.items()}
+    return ImuIncrements(t, rows["dtheta"], rows["dv"], rows.get("dp"), t0_ns, file.path.stem)
 
 
 def _attitude(file: TextFile, columns: Mapping[str, Array]) -> Array | None:

@@ -12,6 +12,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from kreisel.data.attitude import AttitudeHistory, Reference
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.tables import QUANTITIES
@@ -21,7 +22,7 @@ from kreisel.files.extras import library
 from kreisel.files.formats import Noun, ReadOptions
 
 SUFFIX = ".h5"
-HOLDS = (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
+HOLDS = (Poses, Motion, ImuRecording, ImuIncrements, AttitudeHistory, Reference)
 OPTIONS = frozenset({"rate_hz"})
 KEEPS = "every bit of every field"
 

@@ -12,6 +12,7 @@ from typing import Any, BinaryIO, Literal
 import numpy as np
 
 from kreisel.data.attitude import AttitudeHistory, Reference
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
@@ -21,7 +22,7 @@ from kreisel.files.formats import Noun, ReadOptions
 from kreisel.files.formats.hdf5 import MAGIC, NETCDF_MARK, load
 
 SUFFIX = ".nc"
-HOLDS = (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
+HOLDS = (Poses, Motion, ImuRecording, ImuIncrements, AttitudeHistory, Reference)
 OPTIONS = frozenset({"rate_hz"})
 KEEPS = "every bit of every field"
 

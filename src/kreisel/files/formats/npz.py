@@ -9,6 +9,7 @@ import numpy as np
 
 from kreisel.data.archive import arrays_in
 from kreisel.data.attitude import AttitudeHistory, Reference
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
@@ -16,7 +17,7 @@ from kreisel.files.arrays import from_arrays, to_arrays
 from kreisel.files.formats import Noun, ReadOptions
 
 SUFFIX = ".npz"
-HOLDS = (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
+HOLDS = (Poses, Motion, ImuRecording, ImuIncrements, AttitudeHistory, Reference)
 OPTIONS = frozenset({"rate_hz"})
 _NPY = b"\x93NUMPY"
 KEEPS = "every bit of every field"

@@ -14,9 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel.data.attitude import AttitudeHistory, Reference
+from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
-from kreisel.data.tables import AXES, CONSTANTS, QUANTITIES
+from kreisel.data.tables import AXES, CONSTANTS, INCREMENTS, QUANTITIES, at_ends
 from kreisel.data.trajectory import Poses
 from kreisel.files.arrays import SCHEMA, from_arrays, to_arrays
 from kreisel.files.columns import GROUPS, bind
@@ -24,14 +25,14 @@ from kreisel.files.extras import library
 from kreisel.files.formats import Noun, ReadOptions
 
 SUFFIX = ".parquet"
-HOLDS = (Poses, Motion, ImuRecording, AttitudeHistory, Reference)
+HOLDS = (Poses, Motion, ImuRecording, ImuIncrements, AttitudeHistory, Reference)
 OPTIONS = frozenset({"columns", "rate_hz"})
 KEEPS = "every bit of every field"
 
 _MATRIX = tuple(f"{row}{column}" for row in AXES for column in AXES)
 # What is read from a stranger's columns -> what from_arrays knows it by.
 _BOX = {"t": "t", "p": "p_NB", "q": "quat_wxyz", "phi": "phi", "v": "v_NB", "gyro": "gyro", "accel": "accel"}
-_BOX |= {"mag": "mag_uT"}
+_BOX |= {"mag": "mag_uT", "dtheta": "dtheta", "dv": "dv", "dp": "dp"}
 
 
 def sniff(head: bytes) -> bool:
@@ -67,7 +68,7 @@ def write(data: Noun, out: BinaryIO) -> None:
             about[name] = " ".join(map(str, np.atleast_1d(array).tolist()))
             continue
         quantity = QUANTITIES[name]
-        for label, column in _columns(quantity.column, array):
+        for label, column in _columns(quantity.column, at_ends(name, array)):
             columns.append(pyarrow.array(column))
             metadata = {"unit": quantity.unit, "frame": quantity.frame}
             fields.append(pyarrow.field(label, columns[-1].type, nullable=False, metadata=metadata))
@@ -95,7 +96,8 @@ def _ours(columns: dict[str, Any], about: dict[str, str]) -> dict[str, Any]:
             labels = [f"{stem}_{part}".rstrip("_") for part in parts]
             if all(label in columns for label in labels):
                 arrays[name] = np.stack([columns[label] for label in labels], axis=1).reshape(shape)
-    return arrays
+    # The row of the first stamp ends no interval.
+    return arrays | {name: arrays[name][1:] for name in INCREMENTS if name in arrays}
 
 
 def _theirs(path: Path, columns: dict[str, Any], options: ReadOptions) -> dict[str, Any]:
@@ -110,4 +112,6 @@ def _theirs(path: Path, columns: dict[str, Any], options: ReadOptions) -> dict[s
                 found[part].scale(np.asarray(columns[headers[found[part].index]], float)) for part in parts
             ]
             box[name] = values[0] if name == "t" else np.column_stack(values)
+            if name in INCREMENTS and np.isnan(box[name][:1]).all():
+                box[name] = box[name][1:]
     return box

@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from kreisel.data.checks import Array, interval, vector
+from kreisel.data.checks import Array
+from kreisel.simulate.field_in_time import FieldInTime
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FieldStep:
+class FieldStep(FieldInTime):
     """A field that is there from `start` on, until `end`: a lift that stops beside the body, a motor that runs.
 
     field_N_uT: (3,) microtesla in N, the same at every place. start, end: s on the clock of the motion.
     """
 
-    field_N_uT: Sequence[float]
-    start: float
     end: float = np.inf
-
-    def __post_init__(self) -> None:
-        put = object.__setattr__
-        put(self, "field_N_uT", vector("field_N_uT", self.field_N_uT, "uT in N"))
-        for name, time in zip(("start", "end"), interval(self.start, self.end), strict=True):
-            put(self, name, time)
 
     @property
     def span(self) -> tuple[float, float]:

@@ -18,10 +18,12 @@ class GSensitivity:
     """Adds sensitivity @ specific force at the mount to a gyro.
 
     sensitivity: rad/s per m/s^2; (3, 3), or one number or three for the diagonal. 0.1 deg/s per g are
-        1.78e-4.
+        1.78e-4. To each of the nine elements comes one draw of deviation `sigma` per run, one or per axis of the gyro:
+        a datasheet says how much a force makes it read, and neither from where nor with which sign.
     """
 
     sensitivity: Any = 0.0
+    sigma: Any = 0.0
     name: str = field(default="g_sensitivity", kw_only=True)
     is_bias: ClassVar[bool] = False
 
@@ -32,22 +34,23 @@ class GSensitivity:
         else:
             matrix = shaped("sensitivity", np.diag(per_axis("sensitivity", value, unit)), (3, 3))
         object.__setattr__(self, "sensitivity", matrix)
+        object.__setattr__(self, "sigma", per_axis("sigma", self.sigma, unit, 0.0))
 
     @property
     def idle(self) -> bool:
         """True for a gyro that feels rotation alone."""
-        return not self.sensitivity.any()
+        return not (self.sensitivity.any() or self.sigma.any())
 
     def start(self, context: Context, stream: Stream) -> Array:
-        """Nothing to remember; ValueError for any sensor but a gyro."""
+        """The sensitivity of this run, row by row (9,); ValueError for any sensor but a gyro."""
         if context.sensor != "gyro":
             raise ValueError("sensitivity to specific force is a gyro's; put GSensitivity into gyro_effects.")
-        return np.zeros(0)
+        return np.asarray((self.sensitivity + self.sigma[:, None] * stream.normals(0, 3)).ravel())
 
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3) rad/s with what the specific force adds."""
         out = np.empty_like(block)
-        _add_product(argument(block), self.sensitivity, argument(context.specific_force), out)
+        _add_product(argument(block), argument(state.reshape(3, 3)), argument(context.specific_force), out)
         return out
 
 
@@ -60,8 +63,8 @@ def _add_product(block: Array, matrix: Array, force: Array, out: Array) -> None:
 
 
 def example() -> GSensitivity:
-    """0.1 deg/s per g on every axis."""
-    return GSensitivity(sensitivity=1.78e-4)
+    """0.1 deg/s per g along every axis, and a tenth of it, drawn, across."""
+    return GSensitivity(sensitivity=1.78e-4, sigma=1.78e-5)
 
 
 def zero() -> GSensitivity:

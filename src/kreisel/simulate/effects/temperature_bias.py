@@ -3,49 +3,33 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from kreisel.data.checks import Array, per_axis, scalar
+from kreisel.data.checks import Array
 from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.random import Stream
 from kreisel.simulate.context import Context
+from kreisel.simulate.temperature_slope import FollowsTemperature
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class TemperatureBias:
+class TemperatureBias(FollowsTemperature):
     """Adds slope times the temperature above `reference_degC`, which the IMU's history tells.
 
-    slope: unit of the sensor per K, one or per axis. reference_degC: degrees Celsius, where there is no error.
-    Without a history the temperature is 25 degrees Celsius.
+    slope: unit of the sensor per K, one or per axis; to it comes one draw of deviation `sigma` per run and axis.
+    reference_degC: degrees Celsius, where there is no error. Without a history the temperature is 25 degrees Celsius.
     """
 
-    slope: Any = 0.0
-    reference_degC: float = 25.0
     name: str = field(default="temperature_bias", kw_only=True)
     is_bias: ClassVar[bool] = True
-
-    def __post_init__(self) -> None:
-        put = object.__setattr__
-        put(self, "slope", per_axis("slope", self.slope, "unit of the sensor per K"))
-        # Between absolute zero and the melting of anything a sensor is made of.
-        put(self, "reference_degC", scalar("reference_degC", self.reference_degC, "deg C", -273.15, 2000.0))
-
-    @property
-    def idle(self) -> bool:
-        """True when temperature does not matter."""
-        return not self.slope.any()
-
-    def start(self, context: Context, stream: Stream) -> Array:
-        """Nothing to remember."""
-        return np.zeros(0)
+    unit: ClassVar[str] = "unit of the sensor per K"
 
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3) at the temperature it has."""
         out = np.empty_like(block)
-        above = context.temperature_degC - self.reference_degC
-        _follow(argument(block), argument(above), self.slope, out)
+        _follow(argument(block), argument(self.above(context)), state, out)
         return out
 
 
@@ -58,7 +42,7 @@ def _follow(block: Array, above: Array, slope: Array, out: Array) -> None:
 
 def example() -> TemperatureBias:
     """A cheap sensor, away from its reference."""
-    return TemperatureBias(slope=3e-4, reference_degC=20.0)
+    return TemperatureBias(slope=3e-4, reference_degC=20.0, sigma=1e-4)
 
 
 def zero() -> TemperatureBias:

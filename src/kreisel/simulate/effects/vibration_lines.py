@@ -7,9 +7,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from kreisel.data.checks import Array, finite, shaped
+from kreisel.data.checks import Array, as_array, finite, shaped
 from kreisel.maths.random import Stream
-from kreisel.maths.waves import add_waves
+from kreisel.maths.waves import add_mean_waves, add_waves
 from kreisel.simulate.context import Context
 
 
@@ -17,8 +17,8 @@ from kreisel.simulate.context import Context
 class VibrationLines:
     """Sines of constant amplitude, as engines and rotors make them; every run draws their phases.
 
-    frequency: (m,) Hz; amplitude: (m, 3) unit of the sensor, peak. A line above half the sampling rate appears
-    where sampling folds it to, as it does in a sensor without a filter.
+    frequency: (m,) Hz, or one number; amplitude: (m, 3) unit of the sensor, peak; (3,) or one number for every line.
+    A line above half the sampling rate appears where sampling folds it to, as it does in a sensor without a filter.
     """
 
     frequency: Any = ()
@@ -28,11 +28,14 @@ class VibrationLines:
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        frequency = finite("frequency", shaped("frequency", self.frequency, ("m",)))
+        frequency = finite("frequency", shaped("frequency", np.atleast_1d(self.frequency), ("m",)))
         if (frequency <= 0.0).any():
             raise ValueError(f"frequency must be positive, Hz; got {frequency}.")
         put(self, "frequency", frequency)
-        amplitude = finite("amplitude", shaped("amplitude", self.amplitude, (len(frequency), 3)))
+        amplitude = as_array("amplitude", self.amplitude)
+        if amplitude.shape in ((), (3,)):
+            amplitude = np.tile(amplitude, (len(frequency), 3 if amplitude.ndim == 0 else 1))
+        amplitude = finite("amplitude", shaped("amplitude", amplitude, (len(frequency), 3)))
         if (amplitude < 0.0).any():
             raise ValueError(f"amplitude must not be negative, unit of the sensor; got {amplitude.tolist()}.")
         put(self, "amplitude", amplitude)
@@ -50,7 +53,10 @@ class VibrationLines:
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3) with vibration added."""
         cosines, sines = state.reshape(2, -1, 3)
-        return add_waves(block, context.t, self.frequency, cosines, sines)
+        waves = (self.frequency, cosines, sines)
+        if context.averaged:
+            return add_mean_waves(block, context.t, context.dt, *waves)
+        return add_waves(block, context.t, *waves)
 
 
 def example() -> VibrationLines:

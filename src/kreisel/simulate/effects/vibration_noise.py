@@ -9,7 +9,7 @@ import numpy as np
 
 from kreisel.data.checks import Array, finite, increasing, per_axis, shaped
 from kreisel.maths.random import Stream
-from kreisel.maths.waves import add_waves
+from kreisel.maths.waves import add_mean_waves, add_waves
 from kreisel.simulate.context import Context
 
 LINES = 128
@@ -69,7 +69,10 @@ class VibrationNoise:
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3) with vibration added."""
         cosines, sines = state[LINES:].reshape(2, LINES, 3)
-        return add_waves(block, context.t, state[:LINES], cosines, sines)
+        waves = (state[:LINES], cosines, sines)
+        if context.averaged:
+            return add_mean_waves(block, context.t, context.dt, *waves)
+        return add_waves(block, context.t, *waves)
 
     @property
     def variance(self) -> float:
