@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from kreisel.show.attitude import plot_bias as plot_bias
     from kreisel.show.broad import plot_broad as plot_broad
     from kreisel.show.calibration import plot_calibration as plot_calibration
+    from kreisel.show.ensemble import plot_ensembles as plot_ensembles
     from kreisel.show.ensemble import plot_fans as plot_fans
     from kreisel.show.ensemble import plot_histograms as plot_histograms
     from kreisel.show.ensemble import plot_tornado as plot_tornado
@@ -36,6 +37,7 @@ _HOMES = {
     "plot_bias": "kreisel.show.attitude",
     "plot_broad": "kreisel.show.broad",
     "plot_calibration": "kreisel.show.calibration",
+    "plot_ensembles": "kreisel.show.ensemble",
     "plot_fans": "kreisel.show.ensemble",
     "plot_histograms": "kreisel.show.ensemble",
     "plot_imu": "kreisel.show.plots",

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 
 from kreisel.data.checks import Array
 from kreisel.show import style
@@ -78,7 +81,9 @@ def _histogram(axes: Axes, kind: str, values: Array, colour: str) -> None:
     also = f", {beyond} beyond {top:.3g}" if beyond else ""
     style.caption(axes, f"{kind} RMSE of each run{also}", "runs")
     axes.set_xlabel("[deg]", fontsize=style.LABEL_SIZE, color=style.INK)
-    axes.legend(frameon=False, fontsize=style.TICK_SIZE, labelcolor=style.INK, loc="upper right")
+    axes.legend(
+        fontsize=style.TICK_SIZE, labelcolor=style.INK, loc="upper right", facecolor=style.PANEL, edgecolor=style.GRID
+    )
 
 
 def plot_tornado(ensemble: Ensemble, estimate: int = 0) -> Figure:
@@ -86,11 +91,13 @@ def plot_tornado(ensemble: Ensemble, estimate: int = 0) -> Figure:
 
     Bars that end within the shade are such as chance makes them. Raises ValueError where no number varies.
     """
-    each, found = ensemble.estimates[estimate], {}
-    for kind in _KINDS:
-        found[kind] = ensemble.correlations(f"{kind}_rmse_deg", estimate)
-    strength = {path: np.nanmax([abs(found[k][path]) for k in _KINDS] + [0.0]) for path in found["heading"]}
-    paths = sorted(strength, key=lambda path: -strength[path])[:_MOST_BARS]
+    each = ensemble.estimates[estimate]
+    found = {kind: ensemble.correlations(f"{kind}_rmse_deg", estimate) for kind in _KINDS}
+    names = dict.fromkeys(name for kind in _KINDS for name in found[kind])
+    strength = {
+        name: max(abs(np.nan_to_num(found[kind].get(name, 0.0))) for kind in _KINDS) for name in names
+    }
+    paths = sorted(strength, key=lambda name: -strength[name])[:_MOST_BARS]
     if not paths:
         raise ValueError("no number varies in this ensemble, so that nothing can drive its errors.")
     figure = Figure(figsize=(9.0, 1.9 + 0.42 * len(paths)), dpi=style.DPI, facecolor=style.PAPER)
@@ -105,14 +112,14 @@ def plot_tornado(ensemble: Ensemble, estimate: int = 0) -> Figure:
     axes.axvspan(-chance, chance, color=style.GRID, linewidth=0.0, label="as chance makes them")
     rows = np.arange(len(paths))
     for (kind, colour), shift in zip(_KINDS.items(), (-0.19, 0.19), strict=True):
-        values = [np.nan_to_num(found[kind][path]) for path in paths]
+        values = [np.nan_to_num(found[kind].get(path, 0.0)) for path in paths]
         axes.barh(rows + shift, values, height=0.36, color=colour, alpha=0.85, label=f"{kind} RMSE")
     axes.axvline(0.0, color=style.INK, linewidth=0.9)
     axes.set_yticks(rows, paths)
     axes.set_ylim(len(paths) - 0.4, -0.6)
     axes.set_xlim(-1.0, 1.0)
     axes.set_xlabel(
-        "Spearman's rank correlation: 1 the more the worse, -1 the less the worse",
+        "Spearman's rank correlation: 1 the more the worse, -1 the less the worse; |input|: its distance from the median",
         fontsize=style.LABEL_SIZE, color=style.INK,
     )  # fmt: skip
     figure.legend(
@@ -124,3 +131,42 @@ def plot_tornado(ensemble: Ensemble, estimate: int = 0) -> Figure:
 def _runs(ensemble: Ensemble) -> str:
     name = ensemble.base.name
     return f"{name}, {ensemble.runs} runs" if name else f"{ensemble.runs} runs"
+
+
+def plot_ensembles(
+    ensembles: Mapping[str, Ensemble], figure: str = "heading_max_deg", limit: float | None = None
+) -> Figure:
+    """A figure of every run, one row per ensemble under its name, on a logarithmic axis, with the 95th percentile.
+
+    Rows whose 95th percentile is within `limit` (deg or s, as the figure) are told from the others by their colour.
+    """
+    drawn = Figure(figsize=(9.0, 1.9 + 0.55 * len(ensembles)), dpi=style.DPI, facecolor=style.PAPER)
+    drawn.set_layout_engine("constrained", h_pad=0.06, w_pad=0.08, rect=(0.0, 0.0, 1.0, 0.98))
+    kind, _, rest = figure.partition("_")
+    what = f"{kind} error, {rest.removesuffix('_deg')} of each run [deg]" if rest.endswith("_deg") else figure
+    axes = drawn.subplots()
+    style.dress(axes)
+    axes.set_xscale("log")
+    for row, (_, ensemble) in enumerate(ensembles.items()):
+        values = np.sort(ensemble.estimates[0].figures[figure])
+        p95 = float(np.percentile(values, 95.0))
+        good = limit is None or p95 <= limit
+        colour = style.XYZ[1] if good else style.XYZ[0]
+        # Spread over the row in an order that has nothing to do with the values: the same picture every time.
+        height = 0.5 * ((np.arange(len(values)) * 0.6180339887) % 1.0 - 0.5)
+        axes.plot(
+            values, row + height, linestyle="none", marker="o", markersize=3.2, color=colour, alpha=0.45,
+            markeredgewidth=0.0,
+        )  # fmt: skip
+        axes.plot([p95, p95], [row - 0.38, row + 0.38], color=style.INK, linewidth=1.8)
+        axes.annotate(
+            f"{p95:.2g}", (p95, row - 0.38), (4, 0), textcoords="offset points", fontsize=style.TICK_SIZE,
+            color=style.INK, va="top",
+        )  # fmt: skip
+    if limit is not None:
+        axes.axvline(limit, color=style.BODY, linewidth=1.1, linestyle=(0, (4.0, 2.0)))
+    axes.set_yticks(np.arange(len(ensembles)), list(ensembles))
+    axes.set_ylim(len(ensembles) - 0.4, -0.6)
+    axes.set_xlabel(what + "; the bar holds 95 % of the runs", fontsize=style.LABEL_SIZE, color=style.INK)
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+    return drawn

@@ -164,12 +164,12 @@ class Scenario(Shown):
     start: float | None = None  # s; None: where the trajectory begins, 0 if it always was
     name: str = ""
     seed: int = 0
-    run: int = 0  # number of the run among those of one seed
     imus: tuple[ImuRecipe, ...] = (ImuRecipe(),)
     environment: EnvironmentRecipe = EnvironmentRecipe()
     filters: tuple[FilterRecipe, ...] = ()
-    vary: Mapping[str, Any] = field(default_factory=dict)  # path -> what `monte_carlo` draws it from
     folder: Path = field(default=Path(), compare=False)  # where relative paths of files begin
+    run: int = 0  # number of the run among those of one seed
+    vary: Mapping[str, Any] = field(default_factory=dict)  # path -> what `monte_carlo` draws it from
 
     def __post_init__(self) -> None:
         put = object.__setattr__

@@ -57,12 +57,20 @@ class Ensemble:
     def correlations(self, figure: str = "heading_rmse_deg", estimate: int = 0) -> dict[str, float]:
         """Path of each input that is a number -> Spearman's rank correlation with a figure, strongest first.
 
-        Without any connection it is below 2 / sqrt(runs) in 19 of 20 cases. NaN where one of both never changes.
+        Where the distance of an input from its median says more than the input, as of a lever arm to either side, it
+        stands as "|PATH|". Without any connection it is below 2 / sqrt(runs) in 9 of 10 cases. NaN where one of
+        both never changes.
         """
         figures = self.estimates[estimate].figures
         values = figures[choice("figure", figure, list(figures))]
-        found = {path: rank_correlation(x, values) for path, x in self.inputs.items() if x.dtype != object}
-        return dict(sorted(found.items(), key=lambda item: -abs(item[1]) if item[1] == item[1] else 1.0))
+        found = {}
+        for path, x in self.inputs.items():
+            if x.dtype != object:
+                ways = {path: x, f"|{path}|": np.abs(x - np.median(x))}
+                rho = {name: rank_correlation(column, values) for name, column in ways.items()}
+                best = max(rho, key=lambda name: abs(np.nan_to_num(rho[name])))
+                found[best] = rho[best]
+        return dict(sorted(found.items(), key=lambda item: -abs(np.nan_to_num(item[1]))))
 
     def summary(self) -> list[dict[str, Any]]:
         """Of every estimate, IMU by IMU: figures over runs, and which input drives them."""

@@ -38,16 +38,31 @@ def report(ensemble: Ensemble) -> dict[str, Any]:
 
 def save(ensemble: Ensemble, folder: Path) -> Path:
     """See `Ensemble.save`."""
-    scenario = ensemble.base.to_toml()
     folder.mkdir(parents=True, exist_ok=True)
-    with replacing(folder / SCENARIO) as out:
-        out.write(scenario.encode())
-    with replacing(folder / REPORT) as out:
-        out.write((json.dumps(report(ensemble), indent=2, allow_nan=False) + "\n").encode())
+    write_scenario(ensemble, folder / SCENARIO)
+    write_report(ensemble, folder / REPORT)
     # Last: where it is, the others are.
-    with replacing(folder / ARRAYS) as out:
-        np.savez(out, allow_pickle=False, **_arrays(ensemble))
+    write_arrays(ensemble, folder / ARRAYS)
     return folder
+
+
+def write_scenario(ensemble: Ensemble, path: Path) -> None:
+    """Write the scenario with what varies."""
+    with replacing(path) as out:
+        out.write(ensemble.base.to_toml().encode())
+
+
+def write_report(ensemble: Ensemble, path: Path) -> None:
+    """Write statistics and correlations as JSON."""
+    with replacing(path) as out:
+        out.write((json.dumps(report(ensemble), indent=2, allow_nan=False) + "\n").encode())
+
+
+def write_arrays(ensemble: Ensemble, path: Path) -> None:
+    """Write all that `load` reads."""
+    arrays = _arrays(ensemble)
+    with replacing(path) as out:
+        np.savez(out, allow_pickle=False, **arrays)
 
 
 def load(folder: Path) -> Ensemble:
