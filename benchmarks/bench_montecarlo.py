@@ -76,7 +76,9 @@ class Case:
     def noisy(self, rng: np.random.Generator) -> list[Array]:
         ideal = (self.ideal.gyro, self.ideal.accel, self.ideal.mag_uT)
         return [
-            x + s * rng.standard_normal(x.shape) for x, s in zip(ideal, self.noises, strict=True) if x is not None
+            x + s * rng.standard_normal(x.shape)
+            for x, s in zip(ideal, self.noises, strict=True)
+            if x is not None
         ]
 
 

@@ -157,6 +157,9 @@ def test_without_filters_there_is_nothing_to_gather():
 
 def test_a_value_that_cannot_be_is_named_with_its_run():
     with pytest.raises(
-        ValueError, match=r"run \d+: filter\.free\.accel_time = -\d.* of normal\(1, 1\): .*must not be negative"
+        ValueError,
+        match=r"run \d+: filter\.free\.accel_time = -\d.* of normal\(1, 1\): .*must not be negative",
     ):
-        monte_carlo(PLAIN, 60, {"filter.free.accel_time": "normal(1, 1)", "imu.wrist.p_BS[0]": "normal(0, 1)"})
+        monte_carlo(
+            PLAIN, 60, {"filter.free.accel_time": "normal(1, 1)", "imu.wrist.p_BS[0]": "normal(0, 1)"}
+        )

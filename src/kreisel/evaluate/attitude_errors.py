@@ -71,7 +71,9 @@ class AttitudeErrors(Shown):
     align: str | None = None  # which offset was fitted and removed
     removed: Offsets = field(default_factory=Offsets)
     name: str = ""
-    angles: Array | None = None  # (3, n) rad: total, heading, inclination as they were found; None: from dtheta_N
+    angles: Array | None = (
+        None  # (3, n) rad: total, heading, inclination as they were found; None: from dtheta_N
+    )
 
     def __post_init__(self) -> None:
         put = object.__setattr__

@@ -26,10 +26,20 @@ def plot_fans(ensemble: Ensemble, estimate: int = 0) -> Figure:
         quantiles = each.quantiles[kind]
         for low, high, label, alpha in _BANDS:
             axes.fill_between(
-                ensemble.t, quantiles[low], quantiles[high], color=colour, alpha=alpha, linewidth=0.0, label=label
+                ensemble.t,
+                quantiles[low],
+                quantiles[high],
+                color=colour,
+                alpha=alpha,
+                linewidth=0.0,
+                label=label,
             )
         axes.plot(
-            ensemble.t, quantiles[LEVELS.index(0.5)], color=style.INK, linewidth=style.LINE_WIDTH, label="median"
+            ensemble.t,
+            quantiles[LEVELS.index(0.5)],
+            color=style.INK,
+            linewidth=style.LINE_WIDTH,
+            label="median",
         )
         style.caption(axes, f"{kind} error", "[deg]")
         _zoom(axes, quantiles, signed=kind == "heading")
@@ -46,7 +56,9 @@ def _zoom(axes: Axes, quantiles: Array, signed: bool) -> None:
     """Show nine runs in ten wholly, and of the others what a little more room shows: a start may be far off."""
     settled = quantiles[:, quantiles.shape[1] // 20 :]
     top = 1.15 * max(float(settled[5].max()), 1e-9)
-    reach = 1.3 * max(abs(float(settled[1].min())), top) if signed else max(top, 1.02 * float(settled[6].max()))
+    reach = (
+        1.3 * max(abs(float(settled[1].min())), top) if signed else max(top, 1.02 * float(settled[6].max()))
+    )
     axes.set_ylim(-reach if signed else 0.0, reach)
 
 
@@ -56,9 +68,7 @@ def plot_histograms(ensemble: Ensemble, estimate: int = 0) -> Figure:
     figure = Figure(figsize=(9.0, 3.9), dpi=style.DPI, facecolor=style.PAPER)
     figure.set_layout_engine("constrained", h_pad=0.06, w_pad=0.08, rect=(0.0, 0.0, 1.0, 0.98))
     title = f"{_runs(ensemble)}: how good is {each.filter} on {each.imu}"
-    figure.suptitle(
-        title, x=0.015, ha="left", fontsize=style.TITLE_SIZE, color=style.INK, fontweight="bold"
-    )
+    figure.suptitle(title, x=0.015, ha="left", fontsize=style.TITLE_SIZE, color=style.INK, fontweight="bold")
     for axes, (kind, colour) in zip(figure.subplots(1, 2), _KINDS.items(), strict=True):
         _histogram(axes, kind, each.figures[f"{kind}_rmse_deg"], colour)
     return figure
@@ -77,12 +87,18 @@ def _histogram(axes: Axes, kind: str, values: Array, colour: str) -> None:
         alpha=0.75, edgecolor=style.PAPER, linewidth=0.5,
     )  # fmt: skip
     for value, text, dashes in ((middle, "median", (0, ())), (p95, "95 %", (0, (4.0, 2.0)))):
-        axes.axvline(float(value), color=style.INK, linewidth=1.1, linestyle=dashes, label=f"{text} {value:.3g}")
+        axes.axvline(
+            float(value), color=style.INK, linewidth=1.1, linestyle=dashes, label=f"{text} {value:.3g}"
+        )
     also = f", {beyond} beyond {top:.3g}" if beyond else ""
     style.caption(axes, f"{kind} RMSE of each run{also}", "runs")
     axes.set_xlabel("[deg]", fontsize=style.LABEL_SIZE, color=style.INK)
     axes.legend(
-        fontsize=style.TICK_SIZE, labelcolor=style.INK, loc="upper right", facecolor=style.PANEL, edgecolor=style.GRID
+        fontsize=style.TICK_SIZE,
+        labelcolor=style.INK,
+        loc="upper right",
+        facecolor=style.PANEL,
+        edgecolor=style.GRID,
     )
 
 
@@ -93,33 +109,37 @@ def plot_tornado(ensemble: Ensemble, estimate: int = 0) -> Figure:
     """
     each = ensemble.estimates[estimate]
     found = {kind: ensemble.correlations(f"{kind}_rmse_deg", estimate) for kind in _KINDS}
-    names = dict.fromkeys(name for kind in _KINDS for name in found[kind])
-    strength = {
-        name: max(abs(np.nan_to_num(found[kind].get(name, 0.0))) for kind in _KINDS) for name in names
+    # "|PATH|", the distance from the median, shares the row of PATH.
+    bars = {kind: {name.strip("|"): (name, rho) for name, rho in found[kind].items()} for kind in _KINDS}
+    reach = {
+        path: max(abs(np.nan_to_num(bars[kind][path][1])) for kind in _KINDS) for path in bars["heading"]
     }
-    paths = sorted(strength, key=lambda name: -strength[name])[:_MOST_BARS]
+    paths = sorted(reach, key=lambda path: -reach[path])[:_MOST_BARS]
     if not paths:
         raise ValueError("no number varies in this ensemble, so that nothing can drive its errors.")
     figure = Figure(figsize=(9.0, 1.9 + 0.42 * len(paths)), dpi=style.DPI, facecolor=style.PAPER)
     figure.set_layout_engine("constrained", h_pad=0.06, w_pad=0.08, rect=(0.0, 0.0, 1.0, 0.98))
     title = f"{_runs(ensemble)}: what drives the errors of {each.filter} on {each.imu}"
-    figure.suptitle(
-        title, x=0.015, ha="left", fontsize=style.TITLE_SIZE, color=style.INK, fontweight="bold"
-    )
+    figure.suptitle(title, x=0.015, ha="left", fontsize=style.TITLE_SIZE, color=style.INK, fontweight="bold")
     axes = figure.subplots()
     style.dress(axes)
     chance = 2.0 / np.sqrt(ensemble.runs)
     axes.axvspan(-chance, chance, color=style.GRID, linewidth=0.0, label="as chance makes them")
     rows = np.arange(len(paths))
     for (kind, colour), shift in zip(_KINDS.items(), (-0.19, 0.19), strict=True):
-        values = [np.nan_to_num(found[kind].get(path, 0.0)) for path in paths]
-        axes.barh(rows + shift, values, height=0.36, color=colour, alpha=0.85, label=f"{kind} RMSE")
+        names, values = zip(*(bars[kind][path] for path in paths), strict=True)
+        drawn = axes.barh(
+            rows + shift, np.nan_to_num(values), height=0.36, color=colour, alpha=0.85, edgecolor=style.PAPER,
+            linewidth=0.0, label=f"{kind} RMSE",
+        )  # fmt: skip
+        for bar, name in zip(drawn, names, strict=True):
+            bar.set_hatch("////" if name.startswith("|") else "")
     axes.axvline(0.0, color=style.INK, linewidth=0.9)
     axes.set_yticks(rows, paths)
     axes.set_ylim(len(paths) - 0.4, -0.6)
     axes.set_xlim(-1.0, 1.0)
     axes.set_xlabel(
-        "Spearman's rank correlation: 1 the more the worse, -1 the less the worse; |input|: its distance from the median",
+        "rank correlation: 1 the more the worse; hatched: the farther from the median the worse",
         fontsize=style.LABEL_SIZE, color=style.INK,
     )  # fmt: skip
     figure.legend(
@@ -143,7 +163,10 @@ def plot_ensembles(
     drawn = Figure(figsize=(9.0, 1.9 + 0.55 * len(ensembles)), dpi=style.DPI, facecolor=style.PAPER)
     drawn.set_layout_engine("constrained", h_pad=0.06, w_pad=0.08, rect=(0.0, 0.0, 1.0, 0.98))
     kind, _, rest = figure.partition("_")
-    what = f"{kind} error, {rest.removesuffix('_deg')} of each run [deg]" if rest.endswith("_deg") else figure
+    what = f"{kind} error, {rest.removesuffix('_deg')} of each run, deg" if rest.endswith("_deg") else figure
+    runs = min(len(ensemble) for ensemble in ensembles.values())
+    title = f"{runs} runs each" if limit is None else f"Which stay below {limit:g}? {runs} runs each"
+    drawn.suptitle(title, x=0.015, ha="left", fontsize=style.TITLE_SIZE, color=style.INK, fontweight="bold")
     axes = drawn.subplots()
     style.dress(axes)
     axes.set_xscale("log")
@@ -160,7 +183,7 @@ def plot_ensembles(
         )  # fmt: skip
         axes.plot([p95, p95], [row - 0.38, row + 0.38], color=style.INK, linewidth=1.8)
         axes.annotate(
-            f"{p95:.2g}", (p95, row - 0.38), (4, 0), textcoords="offset points", fontsize=style.TICK_SIZE,
+            f"{p95:.3g}", (p95, row - 0.38), (4, 0), textcoords="offset points", fontsize=style.TICK_SIZE,
             color=style.INK, va="top",
         )  # fmt: skip
     if limit is not None:

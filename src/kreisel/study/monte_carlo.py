@@ -74,9 +74,7 @@ def gather(work: Work, blocks: list[Columns]) -> Ensemble:
     pairs = [(imu.name, filter.name) for imu in scenario.imus for filter in scenario.filters]
     for k, (imu, filter) in enumerate(pairs):
         names = [name for name in blocks[0] if name.startswith(f"{k}/")]
-        columns = {
-            name.split("/", 1)[1]: np.concatenate([block[name] for block in blocks]) for name in names
-        }
+        columns = {name.split("/", 1)[1]: np.concatenate([block[name] for block in blocks]) for name in names}
         quantiles = _quantiles(columns.pop("trace"))
         estimates.append(Estimates(imu, filter, columns, quantiles))
     t = first[instants(len(first), INSTANTS)] - first[0]
@@ -85,7 +83,9 @@ def gather(work: Work, blocks: list[Columns]) -> Ensemble:
 
 def _quantiles(traces: Any) -> dict[str, Array]:
     """Quantiles (len(LEVELS), m) over runs of traces (runs, 3, m), kind by kind."""
-    return {kind: np.quantile(traces[:, k].astype(np.float64), LEVELS, axis=0) for k, kind in enumerate(KINDS)}
+    return {
+        kind: np.quantile(traces[:, k].astype(np.float64), LEVELS, axis=0) for k, kind in enumerate(KINDS)
+    }
 
 
 def _run_blocks(work: Work, threads: int | None) -> Iterator[tuple[int, Columns]]:

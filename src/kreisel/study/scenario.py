@@ -41,7 +41,9 @@ class FilterRecipe:
     name: str = ""  # in reports and file names; the kind where it is left out
     align: Align | None = None  # what is fitted and removed before errors count, as `attitude_errors` has it
     clock_offset: float | Literal["estimate"] = 0.0  # s, by which the estimate's stamps are ahead
-    start_error_deg: Vector | None = None  # roll, pitch, heading: it begins so far off the truth; None: by itself
+    start_error_deg: Vector | None = (
+        None  # roll, pitch, heading: it begins so far off the truth; None: by itself
+    )
 
     def __post_init__(self) -> None:
         put = object.__setattr__

@@ -81,7 +81,9 @@ def configure(parser: ArgumentParser) -> None:
         help="draw a value in every run: normal(mean, sigma), uniform(a, b), loguniform(a, b), choice(a, b, ...)",
     )  # fmt: skip
     parser.add_argument("--seed", type=_whole(0), metavar="N", help="another seed than the file's")
-    parser.add_argument("--threads", type=_whole(1), metavar="N", help="how many at most (default: all cores)")
+    parser.add_argument(
+        "--threads", type=_whole(1), metavar="N", help="how many at most (default: all cores)"
+    )
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     add_report_arguments(parser, dry_run=True)
     parser.epilog = _EXAMPLES
@@ -164,7 +166,9 @@ def _tell(made: Ensemble) -> None:
             if name in summary
         ]
         print_table(("over runs", "mean", "5 %", "median", "95 %", "worst"), rows)
-        drivers = [(path, rho) for path, rho in made.correlations("heading_rmse_deg", k).items() if rho == rho]
+        drivers = [
+            (path, rho) for path, rho in made.correlations("heading_rmse_deg", k).items() if rho == rho
+        ]
         for path, rho in drivers[:_MOST_DRIVERS]:
             print(f"  heading RMSE goes with {path}: rank correlation {rho:+.2f}")
 

@@ -77,7 +77,9 @@ class Distribution:
         try:
             values = tomllib.loads(f"values = [{found[2]}]")["values"]
         except (ValueError, RecursionError):
-            raise ValueError(f'{text!r:.60} is not made of numbers or texts in quotes, "like this".') from None
+            raise ValueError(
+                f'{text!r:.60} is not made of numbers or texts in quotes, "like this".'
+            ) from None
         return cls(found[1], tuple(values))
 
     def table(self) -> dict[str, tuple[Any, ...]]:

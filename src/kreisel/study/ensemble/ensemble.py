@@ -27,7 +27,9 @@ class Estimates:
 
     imu: str
     filter: str
-    figures: Mapping[str, Array]  # name, as in `AttitudeErrors.summary()` -> (runs,); a time of infinity is never
+    figures: Mapping[
+        str, Array
+    ]  # name, as in `AttitudeErrors.summary()` -> (runs,); a time of infinity is never
     quantiles: Mapping[str, Array]  # "total", "heading" (signed) or "inclination" -> (len(LEVELS), m) deg
 
     def summary(self) -> dict[str, dict[str, float]]:

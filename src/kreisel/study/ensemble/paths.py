@@ -51,7 +51,9 @@ def resolve(table: Mapping[str, Any], path: str, default: Default) -> Way:
         if here is None and k + 1 < len(found):
             here = default(way)
             if here is None and isinstance(found[k + 1], int):
-                raise ValueError(f"{path}: the scenario has no {found[k]}; give it a value, then vary its parts.")
+                raise ValueError(
+                    f"{path}: the scenario has no {found[k]}; give it a value, then vary its parts."
+                )
             here = {} if here is None else here
     if isinstance(here, Mapping) or (isinstance(here, Sequence) and _tables(here)):
         raise ValueError(f"{path} is a table; vary one of its values: {', '.join(_names(here)) or 'none'}.")
@@ -129,7 +131,7 @@ def written(table: Mapping[str, Any], way: Way) -> str:
         if isinstance(label, int):
             text += f"[{label}]"
         else:
-            text += ("." if text else "") + (f'"{label}"' if re.search(r'[.\[\]]', label) else label)
+            text += ("." if text else "") + (f'"{label}"' if re.search(r"[.\[\]]", label) else label)
         here = _inner(here, step)
     return text
 
@@ -137,4 +139,6 @@ def written(table: Mapping[str, Any], way: Way) -> str:
 def _inner(here: Any, step: str | int) -> Any:
     if isinstance(here, Mapping):
         return here.get(str(step))
-    return here[step] if isinstance(here, list | tuple) and isinstance(step, int) and step < len(here) else None
+    return (
+        here[step] if isinstance(here, list | tuple) and isinstance(step, int) and step < len(here) else None
+    )
