@@ -150,9 +150,8 @@ def compare(case: Case, runs: int, rounds: int) -> None:
     samples = runs * len(case.ideal)
     for name, found in times.items():
         ratio = np.median(np.array(found) / np.array(times["ours"]))
-        print(
-            f"{name:<18} {1e9 * min(found) / samples:7.1f} ns/sample {runs / min(found):8.0f} runs/CPU-second  x {ratio:.2f}"
-        )
+        speed = f"{1e9 * min(found) / samples:7.1f} ns/sample {runs / min(found):8.0f} runs/CPU-second"
+        print(f"{name:<18} {speed}  x {ratio:.2f}")
 
 
 def threads(case: Case, runs: int, rounds: int) -> None:

@@ -9,6 +9,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from kreisel.data.attitude import Mask
 from kreisel.data.checks import Array
@@ -26,6 +27,9 @@ _SHIFT = np.int64(46)
 _LOWEST = np.int64((1023 - 31) << 6)
 _BUCKETS = 2560
 _LANES = 16
+
+
+Counts = npt.NDArray[np.int64]
 
 
 class Spread(NamedTuple):
@@ -129,9 +133,9 @@ def spread_into(angle: Array, out: Array) -> None:
     for k in range(_BUCKETS):
         below[k + 1] += below[k]
     middle, at = 0.5 * (n - 1), 0.95 * (n - 1)
-    first, second = _two(x, below, int(math.floor(middle)))
+    first, second = _two(x, below, math.floor(middle))
     out[2] = 0.5 * (first + second) if n % 2 == 0 else first
-    first, second = _two(x, below, int(math.floor(at)))
+    first, second = _two(x, below, math.floor(at))
     out[3] = first + (second - first) * (at - math.floor(at))
 
 
@@ -159,13 +163,13 @@ def _moments(angle: Array, x: Array) -> tuple[float, float, float]:
 
 
 @kernel
-def _bucket(x: float) -> int:
+def _bucket(x: float) -> np.int64:
     bits = np.float64(x).view(np.int64)
     return min(max((bits >> _SHIFT) - _LOWEST, np.int64(0)), np.int64(_BUCKETS - 1))
 
 
 @kernel
-def _two(x: Array, below: Array, rank: int) -> tuple[float, float]:
+def _two(x: Array, below: Counts, rank: int) -> tuple[float, float]:
     """The numbers of rank `rank` and `rank` + 1, counted from 0; the first twice where it is the last."""
     following = min(rank + 1, x.shape[0] - 1)
     low = np.searchsorted(below, rank, side="right") - 1

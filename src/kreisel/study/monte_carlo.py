@@ -21,6 +21,7 @@ from kreisel.study.scenario import Scenario
 # ns a sample of one filter on one IMU, noise and errors included, and s that a block of runs is to take.
 _COST, _BLOCK = 150.0, 0.3
 _TILE = 16
+_FEWEST = 16  # blocks, where there are as many tiles
 
 
 def monte_carlo(
@@ -63,7 +64,8 @@ def prepare(scenario: Scenario, runs: int, vary: Mapping[str, Any] | None = None
     work = Work(base, runs, size=1)
     first = work.stage(draws, 0)
     per_run = _COST * 1e-9 * len(first.motion) * len(base.imus) * len(base.filters)
-    tiles = max(1, round(_BLOCK / per_run / _TILE))
+    # Few runs in smaller blocks, or the last one would keep a single core busy.
+    tiles = max(1, min(round(_BLOCK / per_run / _TILE), runs // (_TILE * _FEWEST)))
     return replace(work, size=tiles * _TILE)
 
 

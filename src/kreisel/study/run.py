@@ -95,7 +95,7 @@ def run(scenario: Scenario, on_done: Callable[[], object] | None = None) -> Resu
     """
     parts = build(scenario)
     motion = parts.trajectory.sample(parts.t)
-    recordings, recorded = record_all(parts.imus, motion, scenario.seed, scenario.run, on_done)
+    recordings, recorded = record_all(parts.imus, motion, scenario.seed, on_done, scenario.run)
     estimates = []
     for imu, recording in zip(parts.imus, recordings, strict=True):
         for recipe, (_, filter) in zip(scenario.filters, parts.filters, strict=True):

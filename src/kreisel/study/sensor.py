@@ -92,7 +92,7 @@ def errs(imu: Imu) -> bool:
 
 
 def record_all(
-    imus: Sequence[Imu], motion: Motion, seed: int, run: int = 0, on_done: Callable[[], object] | None = None
+    imus: Sequence[Imu], motion: Motion, seed: int, on_done: Callable[[], object] | None = None, run: int = 0
 ) -> tuple[tuple[ImuRecording, ...], tuple[Recorded[ImuRecording], ...]]:
     """What each IMU read, and of those that err what is known of it; a perfect one in peace needs no draw.
 

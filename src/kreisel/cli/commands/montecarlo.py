@@ -152,7 +152,9 @@ def _pictures(k: int, stem: str, drawn: bool) -> list[Output[Ensemble]]:
         picture(f"{stem}-fans.png", "errors over time, as bands of runs", lambda e: show.plot_fans(e, k)),
         picture(f"{stem}-runs.png", "how many runs are how good", lambda e: show.plot_histograms(e, k)),
     ]
-    driven = picture(f"{stem}-drivers.png", "what drives the errors", lambda e: show.plot_tornado(e, k))
+    driven: Output[Ensemble] = picture(
+        f"{stem}-drivers.png", "what drives the errors", lambda e: show.plot_tornado(e, k)
+    )
     return [*made, driven] if drawn else made
 
 

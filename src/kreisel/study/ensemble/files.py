@@ -104,7 +104,8 @@ def _ensemble(base: Scenario, arrays: Mapping[str, npt.NDArray[Any]]) -> Ensembl
     count = len(_under("estimate", arrays))
     estimates = [
         Estimates(
-            *(str(name) for name in arrays[f"estimate/{k}"]),
+            str(arrays[f"estimate/{k}"][0]),
+            str(arrays[f"estimate/{k}"][1]),
             _under(f"{k}/{_FIGURE}", arrays),
             _under(f"{k}/{_QUANTILES}", arrays),
         )

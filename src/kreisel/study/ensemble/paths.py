@@ -45,7 +45,8 @@ def resolve(table: Mapping[str, Any], path: str, default: Default) -> Way:
         raise ValueError(f"{path}: {found[0]} cannot be varied; it tells runs apart.")
     if found[0] not in (*_TOP, "duration", "rate_hz", "start"):
         _nearest(path, found[0], [*_TOP, "duration", "rate_hz", "start"])
-    way, here = (), table
+    way: Way = ()
+    here: Any = table
     for k, step in enumerate(found):
         way, here = _stepped(path, way, here, step)
         if here is None and k + 1 < len(found):
@@ -124,7 +125,8 @@ def put(table: dict[str, Any], way: Way, value: Any, default: Default) -> None:
 
 def written(table: Mapping[str, Any], way: Way) -> str:
     """The one way to write a path, by names where there are any, under which its values are drawn."""
-    text, here = "", table
+    text = ""
+    here: Any = table
     for step in way:
         here_named = isinstance(step, int) and _tables(here) and ("name" in here[step])
         label = str(here[step]["name"]) if here_named else step

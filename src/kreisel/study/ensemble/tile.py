@@ -82,7 +82,7 @@ def estimate(
     like = (*shape, filter.learns_bias)
     columns = scratch.keep("answers", like, lambda: Columns.room_for(filter, shape))
     states = np.stack([filter.start(first_attitude(recipe, seen.truth)) for recipe in recipes])
-    sensors = readings(filter, seen.ideal.t, *(recorded.get(name) for name in SENSORS))
+    sensors = readings(filter, seen.ideal.t, recorded["gyro"], recorded["accel"], recorded.get("mag_uT"))
     filter.batch_of_lanes(states, filter.parameters(), *sensors, columns)
     return errors(seen, columns.R_NS, most)
 
