@@ -6,7 +6,7 @@
     python3 run.py --with dev,oracle setup     ... with more extras of pyproject.toml (remembered)
 
 Needs Python 3.11 or newer with pip, and nothing else. The first run downloads the dependencies
-(about 600 MB installed); later runs start at once. Delete .venv to start afresh.
+(about 650 MB installed); later runs start at once. Delete .venv to start afresh.
 """
 
 import sys
@@ -55,7 +55,7 @@ def main(arguments: list[str]) -> int:
     if command not in ("demo", "test", "setup"):
         print(f"run.py: no command {command!r}; there are demo, test and setup", file=sys.stderr)
         return 2
-    ensure_environment(extras | {"test"})
+    ensure_environment(extras | {"test", "report"})
     if command == "demo":
         return replace_by([str(BIN / "kreisel"), "demo", *rest])
     if command == "test":

@@ -119,10 +119,12 @@ if TYPE_CHECKING:
     from kreisel.simulate.trajectories.sampled import SampledTrajectory as SampledTrajectory
     from kreisel.simulate.trajectories.waypoints import WaypointTrajectory as WaypointTrajectory
     from kreisel.simulate.trajectories.waypoints import waypoints as waypoints
+    from kreisel.study.engine import run_blocks as run_blocks
     from kreisel.study.ensemble.ensemble import Ensemble as Ensemble
     from kreisel.study.monte_carlo import monte_carlo as monte_carlo
     from kreisel.study.round_trip import round_trip as round_trip
     from kreisel.study.scenario import Scenario as Scenario
+    from kreisel.study.sweep import sweep as sweep
     from kreisel.study.tune import tune as tune
 
 __version__ = "0.1.0"
@@ -197,6 +199,7 @@ _HOMES = {
     "run": "kreisel.estimate.run",
     "run_all": "kreisel.estimate.batch",
     "run_batch": "kreisel.estimate.batch",
+    "run_blocks": "kreisel.study.engine",
     "smooth": "kreisel.estimate.smooth",
     "smooth_all": "kreisel.estimate.smooth",
     "SampledTrajectory": "kreisel.simulate.trajectories.sampled",
@@ -207,6 +210,7 @@ _HOMES = {
     "Smoothing": "kreisel.data.smoothing",
     "Stream": "kreisel.estimate.stream",
     "TemperatureBias": "kreisel.simulate.effects.temperature_bias",
+    "sweep": "kreisel.study.sweep",
     "TemperatureHistory": "kreisel.data.temperature",
     "TemperatureScale": "kreisel.simulate.effects.temperature_scale",
     "Trajectory": "kreisel.data.trajectory",

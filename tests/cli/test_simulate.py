@@ -1,6 +1,7 @@
 """`kreisel simulate` and `kreisel demo` as a user runs them, with good files and bad ones."""
 
 import re
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -258,6 +259,7 @@ def test_the_demo_makes_what_it_says(tmp_path, capsys):
         "eight_attitude.tum",
         "eight_attitude.png",
         "eight_errors.png",
+        *(["eight_report.html"] if find_spec("bokeh") else []),
     }
     assert {p.name for p in tmp_path.iterdir()} == names
     assert all(name in text for name in names)

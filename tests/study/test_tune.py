@@ -120,15 +120,15 @@ def test_the_command_line_tunes_on_scenarios_and_writes_a_filter(tmp_path, capsy
 
 
 @pytest.mark.parametrize(
-    ("arguments", "sentence"),
+    ("arguments", "code", "sentence"),
     [
-        (["imu.csv"], "no truth in it. Name it: imu.csv=TRUTH"),
-        (["wave.toml", "--draws", "0"], "--draws must be 1 or more; got 0"),
-        (["wave.toml", "--draws", "1"], "at least 3 recordings"),
-        (["imu.csv=imu.csv"], "a truth is a file of attitudes"),
+        (["imu.csv"], 1, "no truth in it. Name it: imu.csv=TRUTH"),
+        (["wave.toml", "--draws", "0"], 2, "--draws must be a whole number, 1 or more; got '0'"),
+        (["wave.toml", "--draws", "1"], 1, "at least 3 recordings"),
+        (["imu.csv=imu.csv"], 1, "a truth is a file of attitudes"),
     ],
 )
-def test_mistakes_are_one_sentence(arguments, sentence, tmp_path, monkeypatch, capsys) -> None:
+def test_mistakes_are_one_sentence(arguments, code, sentence, tmp_path, monkeypatch, capsys) -> None:
     from kreisel.cli.main import main
 
     monkeypatch.chdir(tmp_path)
@@ -138,6 +138,6 @@ def test_mistakes_are_one_sentence(arguments, sentence, tmp_path, monkeypatch, c
     np.savetxt(
         "imu.csv", rows, delimiter=",", header="t,gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z", comments=""
     )
-    assert main(["tune", *arguments]) == 1
+    assert main(["tune", *arguments]) == code
     told = capsys.readouterr().err
     assert sentence in told and told.count("\n") == 1

@@ -143,6 +143,13 @@ def write_json(report: Any, path: Path) -> None:
         out.write((json.dumps(report, indent=2, allow_nan=False) + "\n").encode())
 
 
+def check_imu_names(imus: Sequence[str]) -> None:
+    """ValueError for a name that an IMU cannot have, because another file is called so."""
+    taken = next((name for name in imus if name.casefold() in _TAKEN), None)
+    if taken is not None:
+        raise ValueError(f"an IMU cannot be called {taken!r}: files of that name are written too.")
+
+
 def simulation_outputs(
     imus: Sequence[str],
     *,
@@ -158,10 +165,6 @@ def simulation_outputs(
     """IMU data, truth and pictures of a simulation whose IMUs have these names; `erring` are those with errors."""
     from kreisel.cli.error_terms import write_error_terms
     from kreisel.data.frames import from_enu_flu
-
-    taken = next((name for name in imus if name.casefold() in _TAKEN), None)
-    if taken is not None:
-        raise ValueError(f"an IMU cannot be called {taken!r}: files of that name are written too.")
 
     def recording(k: int) -> Callable[[Simulated, Path], None]:
         return lambda made, path: write(path, from_enu_flu(made.recordings[k], world), format=imu_format)

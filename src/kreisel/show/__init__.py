@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from kreisel.show.plots import plot_angular as plot_angular
     from kreisel.show.plots import plot_imu as plot_imu
     from kreisel.show.plots import plot_linear as plot_linear
+    from kreisel.show.report import write_report as write_report
     from kreisel.show.saving import save as save
     from kreisel.show.twin import plot_twin as plot_twin
     from kreisel.show.viewer import save_rerun as save_rerun
@@ -47,6 +48,7 @@ _HOMES = {
     "plot_twin": "kreisel.show.twin",
     "save": "kreisel.show.saving",
     "save_rerun": "kreisel.show.viewer",
+    "write_report": "kreisel.show.report",
 }
 
 __all__ = sorted(_HOMES)

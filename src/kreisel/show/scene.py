@@ -35,11 +35,16 @@ class Stage:
 
 def stage(motion: Motion, mounts: Sequence[Mount], share: float) -> Stage:
     """Box and scale for `motion`: the body is drawn as long as `share` of the longest side of its path."""
-    sides = np.ptp(motion.p_NB, axis=0)
+    return staged(motion.p_NB, [sensor_path(motion, mount) for mount in mounts], mounts, share)
+
+
+def staged(p_NB: Array, sensors: Sequence[Array], mounts: Sequence[Mount], share: float) -> Stage:
+    """The same for a path (n, 3), m, and those of the IMUs at `mounts`, where they are known."""
+    sides = np.ptp(p_NB, axis=0)
     extent = float(sides.max()) if sides.max() > ROUND_OFF else 0.0
     reach = max((float(np.linalg.norm(mount.p_BS)) for mount in mounts), default=0.0)
     length = body.drawn_length(extent, reach, share)
-    paths = [motion.p_NB, *(sensor_path(motion, mount) for mount in mounts)]
+    paths = [p_NB, *sensors]
     # A thousandth of the picture is less than a pixel.
     thin = [p[along_path(p, 1e-3 * max(extent, length))] for p in paths]
     low, high = (np.array([getattr(p, side)(axis=0) for p in thin]) for side in ("min", "max"))

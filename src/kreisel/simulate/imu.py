@@ -21,7 +21,7 @@ from kreisel.data.temperature import TemperatureHistory
 from kreisel.maths.kinematics import specific_force, specific_force_sigma
 from kreisel.maths.random import seed_from, stream
 from kreisel.maths.turning import felt_acceleration, felt_rate
-from kreisel.simulate.chain import BLOCK, Felt, Sensed, checked_effects, read, sense
+from kreisel.simulate.chain import BLOCK, Felt, Sensed, checked_effects, sense
 from kreisel.simulate.clock import Clock, Sampling, count, part, spread, steps
 from kreisel.simulate.context import Context
 from kreisel.simulate.effects import Effect
@@ -264,29 +264,6 @@ class Imu(Shown):
             run=run,
             replay=partial(self._errors, motion, ideal, seed, run),
         )
-
-    def read(
-        self, motion: Motion, ideal: ImuRecording, draws: Sequence[tuple[int, int]], out: Mapping[str, Array]
-    ) -> None:
-        """What `record` measures in the runs `draws`, (seed, run) each, of one motion: into `out`, and nothing else.
-
-        ideal : what `self.ideal(motion)` made. out : name of each sensor in it -> readings (runs, n, 3).
-        The stamps are those of the motion unless the clock errs. Raises ValueError as `record` does.
-        """
-        self._check(motion)
-        for sensor, readings in out.items():
-            felt = self._felt(sensor, motion, ideal)
-            contexts = list(self._contexts(sensor, motion, felt))
-            whole = isinstance(felt.rows, slice)
-            for (seed, run), reading in zip(draws, readings, strict=True):
-                found = reading if whole else np.empty_like(felt.reading)
-                stream_of = partial(stream, seed, run, f"{self.mount.name}/{sensor}")
-                read(self._parts(sensor)[0], felt.reading, contexts, stream_of, found)
-                if not whole:
-                    reading[:] = spread(found, felt.rows, len(motion))
-                if self.clock.loss:
-                    lost = self.clock.lost(len(motion), stream(seed, run, self.mount.name, "clock"))
-                    reading[lost] = np.nan
 
     def record_increments(
         self, motion: Motion, rng: int | np.random.Generator, run: int = 0

@@ -25,6 +25,7 @@ ORDER = (
     "bandwidth",
     "range",
     "quantisation",
+    "increment_quantisation",
 )
 """Plug-ins from what shakes the sensor, through what it makes of that, to how it puts it out."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from argparse import ArgumentParser, Namespace
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -92,6 +93,7 @@ def _eight(folder: Path) -> list[str]:
     from kreisel.simulate.effects.white_noise import WhiteNoise
     from kreisel.simulate.imu import Imu
     from kreisel.simulate.trajectories.lying_eight import figure_eight
+    from kreisel.study.account import Account, Answer, Reading
 
     motion = figure_eight(period=8.0).sample(np.arange(60 * 200 + 1) / 200.0)
     imu = Imu(
@@ -117,4 +119,13 @@ def _eight(folder: Path) -> list[str]:
         ),
         picture("eight_errors.png", difference, lambda _: show.plot_attitude_errors(errors)),
     ]
+    if find_spec("bokeh") is not None:
+        account = Account(
+            "lying eight",
+            (Reading(imu.mount, recorded.measured, recorded.gyro_bias),),
+            (Answer(imu.mount.name, "dcm", estimate, errors),),
+            motion,
+        )
+        what = "all of it on one page: open it in a browser"
+        outputs.append(Output("eight_report.html", what, lambda _, path: show.write_report(account, path)))
     return write_outputs(folder, outputs, None)

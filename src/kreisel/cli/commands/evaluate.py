@@ -101,7 +101,7 @@ def run(args: Namespace) -> int:
     """Read both, compare, report; 3 where a limit was missed."""
     from kreisel.evaluate.attitude_errors import attitude_errors
 
-    truth = _truth(args.truth, args.truth_topic or ())
+    truth = read_truth(args.truth, args.truth_topic or ())
     estimate = _estimate(args.estimate, args.estimate_topic or (), args.imu)
     outputs = _outputs(truth, estimate, args.limit_deg)
     if args.dry_run:
@@ -140,7 +140,8 @@ def _clock_offset(text: str) -> float | str:
     return offset
 
 
-def _truth(path: str, topic: str | tuple[()]) -> Truth:
+def read_truth(path: str, topic: str | tuple[()] = ()) -> Truth:
+    """What a file knows of the true attitude; ValueError for an IMU recording."""
     from kreisel.data.increments import ImuIncrements
     from kreisel.data.recording import ImuRecording
     from kreisel.data.trial import Trial

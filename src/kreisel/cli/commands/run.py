@@ -13,6 +13,7 @@ import numpy as np
 from kreisel.cli.outputs import (
     Output,
     aligned,
+    check_imu_names,
     check_outputs,
     describe_notes,
     output_folder,
@@ -144,15 +145,17 @@ def _outputs(scenario: Scenario, pictures: bool) -> list[Output[Result]]:
     """Every file that a run of `scenario` writes."""
     from kreisel.study.building import imus as made_of
     from kreisel.study.building import surroundings
+    from kreisel.study.folder import REPORT
     from kreisel.study.sensor import errs
 
     imus, world = [imu.name for imu in scenario.imus], surroundings(scenario.environment)
+    check_imu_names(imus)
     erring = [imu.mount.name for imu in made_of(scenario, world) if errs(imu)]
     magnetometer = world.field_N_uT is not None
     outputs: list[Output[Result]] = [
         *simulation_outputs(imus, erring=erring, magnetometer=magnetometer, pictures=pictures),
         Output(
-            "report.json",
+            REPORT,
             "the scenario and all errors, for programs",
             lambda made, path: write_json(made.report(), path),
         ),
@@ -165,7 +168,9 @@ def _outputs(scenario: Scenario, pictures: bool) -> list[Output[Result]]:
 
 def _estimate_outputs(k: int, imu: str, filter: str, pictures: bool) -> list[Output[Result]]:
     """The files of estimate number `k`."""
-    stem = f"attitude-{imu}-{filter}".replace(" ", "-")
+    from kreisel.study.folder import estimate_stem
+
+    stem = estimate_stem(imu, filter)
 
     def attitude(made: Result, path: Path) -> None:
         write(path, made.estimates[k].attitude)

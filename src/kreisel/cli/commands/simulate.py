@@ -16,6 +16,7 @@ from kreisel.cli.inputs import add_input_arguments, rate, world
 from kreisel.cli.outputs import (
     Simulation,
     aligned,
+    check_imu_names,
     check_outputs,
     describe_notes,
     describe_round_trip,
@@ -164,18 +165,21 @@ def run(args: Namespace) -> int:
         made(replace(recipe, sensor=named), mount, environment)
         for mount, named in zip(mounts, sensors, strict=True)
     ]
+    names = [mount.name for mount in mounts]
     with as_typed():
-        outputs = simulation_outputs(
-            [mount.name for mount in mounts],
-            erring=[imu.mount.name for imu in imus if errs(imu)],
-            magnetometer=environment.field_N_uT is not None,
-            increments=args.increments,
-            world=args.to_frame,
-            imu_format=args.imu_format,
-            pictures=not args.no_pictures,
-            animation=args.animation,
-            rerun=args.rerun,
-        )
+        check_imu_names(names)
+    outputs = simulation_outputs(
+        names,
+        erring=[imu.mount.name for imu in imus if errs(imu)],
+        magnetometer=environment.field_N_uT is not None,
+        increments=args.increments,
+        world=args.to_frame,
+        imu_format=args.imu_format,
+        pictures=not args.no_pictures,
+        animation=args.animation,
+        rerun=args.rerun,
+    )
+    with as_typed():
         check_outputs(args.output, outputs)
     with Progress(None, "differentiating"):
         motion, held = read_course(args)

@@ -17,6 +17,7 @@ from kreisel.estimate.run import readings
 from kreisel.evaluate.error_angles import angles_into, spread_into
 from kreisel.maths.kernels import argument
 from kreisel.simulate.imu import SENSORS
+from kreisel.simulate.many import read_many
 from kreisel.study.ensemble.figures import FIGURES, KINDS, converged, instants
 from kreisel.study.ensemble.stage import Seen
 from kreisel.study.run import first_attitude
@@ -67,7 +68,7 @@ def record(scratch: Scratch, seen: Seen, motion: Motion, runs: Sequence[Scenario
     names = [name for name in SENSORS if getattr(seen.ideal, name) is not None]
     out = {name: scratch.array(name, len(runs), len(motion), 3) for name in names}
     if errs(seen.imu):
-        seen.imu.read(motion, seen.ideal, [(run.seed, run.run) for run in runs], out)
+        read_many(seen.imu, motion, seen.ideal, [(run.seed, run.run) for run in runs], out)
     else:
         for name, readings in out.items():
             readings[:] = getattr(seen.ideal, name)
