@@ -31,7 +31,6 @@ segments = [
   { do = "drive", duration = 15, speed = 15 },
   { do = "turn", angle_deg = 2880, rate_deg_s = 10 },
   { do = "turn", angle_deg = -2880, rate_deg_s = 10 },
-  { do = "drive", duration = 15, speed = 0 },
 ]
 
 [[filter]]

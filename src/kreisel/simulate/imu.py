@@ -238,11 +238,8 @@ class Imu(Shown):
         self._check(motion)
         seed, run = seed_from(rng), whole_number("run", run)
         ideal = self.ideal(motion) if ideal is None else ideal
-        sensed = {
-            sensor: self._sense(sensor, motion, ideal, seed, run)
-            for sensor in SENSORS
-            if getattr(ideal, sensor) is not None
-        }
+        there = [sensor for sensor in SENSORS if getattr(ideal, sensor) is not None]
+        sensed = {sensor: self._sense(sensor, motion, ideal, seed, run) for sensor in there}
         clock_stream = stream(seed, run, self.mount.name, "clock")
         lost = self.clock.lost(len(motion), clock_stream)
         for each in sensed.values():
@@ -361,11 +358,8 @@ class Imu(Shown):
         return noises
 
     def _parts(self, sensor: str) -> tuple[Sequence[Effect], Sampling]:
-        return {
-            "gyro": (self.gyro_effects, self.clock.gyro),
-            "accel": (self.accel_effects, self.clock.accel),
-            "mag_uT": (self.mag_effects, self.clock.mag),
-        }[sensor]
+        name = sensor.removesuffix("_uT")
+        return getattr(self, f"{name}_effects"), getattr(self.clock, name)
 
     def _contexts(self, sensor: str, motion: Motion, felt: Felt) -> Iterator[Context]:
         t = motion.t[felt.rows]
