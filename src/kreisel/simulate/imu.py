@@ -227,8 +227,7 @@ class Imu(Shown):
     ) -> Recorded[ImuRecording]:
         """What this IMU reads at the times of `motion`, with its biases and, when asked for, every error it made.
 
-        rng: a seed, or a generator from which one is drawn. run: number of the run in an ensemble of one seed.
-        ideal: what `self.ideal(motion)` made before, for many runs of one motion.
+        rng: a seed, or a generator to draw one from. run: its number in an ensemble of one seed. ideal: known before.
         Every effect draws from a stream of its own, keyed by seed, run, name of the mount, sensor and name
         of the effect: adding, dropping or moving one leaves the numbers of the others alone.
 
