@@ -123,6 +123,8 @@ if TYPE_CHECKING:
     from kreisel.simulate.trajectories.waypoints import WaypointTrajectory as WaypointTrajectory
     from kreisel.simulate.trajectories.waypoints import waypoints as waypoints
     from kreisel.study.engine import run_blocks as run_blocks
+    from kreisel.study.ensemble.ensemble import Ensemble as Ensemble
+    from kreisel.study.monte_carlo import monte_carlo as monte_carlo
     from kreisel.study.round_trip import round_trip as round_trip
     from kreisel.study.scenario import Scenario as Scenario
     from kreisel.study.sweep import sweep as sweep
@@ -152,6 +154,7 @@ _HOMES = {
     "coning": "kreisel.simulate.trajectories.coning",
     "DcmFilter": "kreisel.estimate.filters.dcm",
     "Dipole": "kreisel.simulate.disturbances.dipole",
+    "Ensemble": "kreisel.study.ensemble.ensemble",
     "Environment": "kreisel.data.environment",
     "expressions": "kreisel.simulate.trajectories.expressions",
     "FieldDrift": "kreisel.simulate.disturbances.drift",
@@ -173,6 +176,7 @@ _HOMES = {
     "lying_eight": "kreisel.simulate.trajectories.lying_eight",
     "MekfFilter": "kreisel.estimate.filters.mekf",
     "Misalignment": "kreisel.simulate.effects.misalignment",
+    "monte_carlo": "kreisel.study.monte_carlo",
     "Motion": "kreisel.data.motion",
     "motion_errors": "kreisel.evaluate.motion_errors",
     "MotionDefinition": "kreisel.data.motion_definition",

@@ -18,7 +18,9 @@ from kreisel.data.checks import Array, choice, finite, read_only, same_length, s
 from kreisel.data.motion import Motion
 from kreisel.data.trajectory import Poses
 from kreisel.evaluate import offsets
+from kreisel.evaluate.error_angles import error_angles, rows_of, spread
 from kreisel.evaluate.offsets import Offsets, Track
+from kreisel.maths.rotations import log_so3
 
 Truth = Motion | Reference | AttitudeHistory | Poses
 Estimate = AttitudeHistory | Motion | Poses
@@ -69,10 +71,15 @@ class AttitudeErrors(Shown):
     align: str | None = None  # which offset was fitted and removed
     removed: Offsets = field(default_factory=Offsets)
     name: str = ""
+    angles: Array | None = (
+        None  # (3, n) rad: total, heading, inclination as they were found; None: from dtheta_N
+    )
 
     def __post_init__(self) -> None:
         put = object.__setattr__
         put(self, "t", shaped("t", self.t, ("n",)))
+        if self.angles is not None:
+            put(self, "angles", shaped("angles", self.angles, (3, len(self.t))))
         put(self, "dtheta_N", shaped("dtheta_N", self.dtheta_N, ("n", 3)))
         put(self, "counts", mask("counts", self.counts))
         same_length(self.t, dtheta_N=self.dtheta_N, counts=self.counts)
@@ -97,17 +104,23 @@ class AttitudeErrors(Shown):
     @property
     def total(self) -> Array:
         """(n,) rad, angle of the error, in [0, pi]."""
+        if self.angles is not None:
+            return self.angles[0]
         return np.asarray(np.linalg.norm(self.dtheta_N, axis=1))
 
     @property
     def heading(self) -> Array:
         """(n,) rad, signed, in [-pi, pi]: the part of the error that turns about up."""
+        if self.angles is not None:
+            return self.angles[1]
         w, _, z = self._quaternion()
         return np.asarray(2.0 * np.arctan2(z, w))
 
     @property
     def inclination(self) -> Array:
         """(n,) rad, in [0, pi]: angle between the true up and the estimated one."""
+        if self.angles is not None:
+            return self.angles[2]
         w, swing, z = self._quaternion()
         # acos loses half of all digits near zero; the two sides of the triangle do not.
         return np.asarray(2.0 * np.arctan2(swing, np.hypot(w, z)))
@@ -128,7 +141,8 @@ class AttitudeErrors(Shown):
         choice("of", of, ("total", "heading", "inclination"))
         numbers: dict[str, Any] = {}
         for name in ("total", "heading", "inclination"):
-            numbers |= _statistics(name, np.degrees(np.abs(getattr(self, name)[self.counts])))
+            found = spread(getattr(self, name), None if self.counts.all() else self.counts)
+            numbers |= {f"{name}_{statistic}_deg": x for statistic, x in found._asdict().items()}
         worst = np.degrees(np.abs(getattr(self, of)[self.counts]))
         return Summary(
             samples=int(self.counts.sum()),
@@ -184,9 +198,11 @@ def attitude_errors(
     removed = _offsets(Track(seen.t[counts], seen.R[counts]), track, align, clock_offset)
     inside = slice(*_overlap(seen.t, track.t, removed.clock))
     _some_count(counts[inside])
+    R, R_true = offsets.corrected(seen.t[inside], track, removed), seen.R[inside]
     return AttitudeErrors(
         t=seen.t[inside],
-        dtheta_N=read_only(offsets.errors_after(Track(seen.t[inside], seen.R[inside]), track, removed)),
+        dtheta_N=read_only(log_so3(R @ np.swapaxes(R_true, -1, -2))),
+        angles=read_only(error_angles(rows_of(R_true), R)),
         counts=counts[inside],
         t0_ns=truth.t0_ns,
         align=align,
@@ -254,17 +270,6 @@ def _some_count(counts: Mask) -> None:
             "nothing to compare: no sample of the truth that counts lies inside the estimate. "
             "Check `samples`, the mask of the reference and the stamps."
         )
-
-
-def _statistics(name: str, magnitude_deg: Array) -> dict[str, float]:
-    values = {
-        "rmse": np.sqrt(np.mean(magnitude_deg**2)),
-        "mean": np.mean(magnitude_deg),
-        "median": np.median(magnitude_deg),
-        "p95": np.percentile(magnitude_deg, 95.0),
-        "max": np.max(magnitude_deg),
-    }
-    return {f"{name}_{statistic}_deg": float(value) for statistic, value in values.items()}
 
 
 def _convergence_time(t: Array, magnitude: Array, limit: float) -> float | None:

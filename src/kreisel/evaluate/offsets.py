@@ -68,8 +68,15 @@ def errors_after(truth: Track, estimate: Track, offsets: Offsets) -> Array:
 
     Between two samples of the estimate its rotation is taken at constant rate (geodesic).
     """
-    R = _at(estimate, truth.t + offsets.clock) @ exp_so3(-offsets.sensor_S)
-    return log_so3(exp_so3(-offsets.frame_N) @ R @ np.swapaxes(truth.R, -1, -2))
+    return log_so3(corrected(truth.t, estimate, offsets) @ np.swapaxes(truth.R, -1, -2))
+
+
+def corrected(t: Array, estimate: Track, offsets: Offsets) -> Array:
+    """Attitude (n, 3, 3) of the estimate at the truth's stamps t (n,) s, less `offsets`."""
+    R = _at(estimate, t + offsets.clock)
+    if offsets.sensor_S.any():
+        R = R @ exp_so3(-offsets.sensor_S)
+    return exp_so3(-offsets.frame_N) @ R if offsets.frame_N.any() else R
 
 
 def _at(track: Track, t: Array) -> Array:

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from kreisel.show.attitude import plot_bias as plot_bias
     from kreisel.show.broad import plot_broad as plot_broad
     from kreisel.show.calibration import plot_calibration as plot_calibration
+    from kreisel.show.ensemble import plot_ensembles as plot_ensembles
+    from kreisel.show.ensemble import plot_fans as plot_fans
+    from kreisel.show.ensemble import plot_histograms as plot_histograms
+    from kreisel.show.ensemble import plot_tornado as plot_tornado
     from kreisel.show.path import plot_path as plot_path
     from kreisel.show.plots import plot_angular as plot_angular
     from kreisel.show.plots import plot_imu as plot_imu
@@ -34,9 +38,13 @@ _HOMES = {
     "plot_bias": "kreisel.show.attitude",
     "plot_broad": "kreisel.show.broad",
     "plot_calibration": "kreisel.show.calibration",
+    "plot_ensembles": "kreisel.show.ensemble",
+    "plot_fans": "kreisel.show.ensemble",
+    "plot_histograms": "kreisel.show.ensemble",
     "plot_imu": "kreisel.show.plots",
     "plot_linear": "kreisel.show.plots",
     "plot_path": "kreisel.show.path",
+    "plot_tornado": "kreisel.show.ensemble",
     "plot_twin": "kreisel.show.twin",
     "save": "kreisel.show.saving",
     "save_rerun": "kreisel.show.viewer",

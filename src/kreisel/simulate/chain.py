@@ -72,6 +72,25 @@ def sense(
     return sensed
 
 
+def read(
+    effects: Sequence[Effect],
+    ideal: Array,
+    contexts: Iterable[Context],
+    stream_of: Callable[[str], Stream],
+    out: Array,
+) -> None:
+    """The reading that `sense` gives of the same, into `out` (n, 3), and nothing beside it."""
+    acting = [(effect, stream_of(effect.name)) for effect in effects if not effect.idle]
+    states: list[Array] = []
+    for context in contexts:
+        states = states or [effect.start(context, stream) for effect, stream in acting]
+        rows = slice(context.first, context.first + len(context.t))
+        block = ideal[rows]
+        for state, (effect, stream) in zip(states, acting, strict=True):
+            block = effect.apply(state, block, context, stream)
+        out[rows] = block
+
+
 @kernel
 def _add_difference(after: Array, before: Array, total: Array) -> None:
     for k in range(total.shape[0]):

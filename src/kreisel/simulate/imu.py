@@ -213,10 +213,17 @@ class Imu(Shown):
         self._check_motion(motion)
         return ideal_increments(motion.at(self.mount), self.environment, self.mount.name)
 
-    def record(self, motion: Motion, rng: int | np.random.Generator, run: int = 0) -> Recorded[ImuRecording]:
+    def record(
+        self,
+        motion: Motion,
+        rng: int | np.random.Generator,
+        run: int = 0,
+        *,
+        ideal: ImuRecording | None = None,
+    ) -> Recorded[ImuRecording]:
         """What this IMU reads at the times of `motion`, with its biases and, when asked for, every error it made.
 
-        rng: a seed, or a generator from which one is drawn. run: number of the run in an ensemble of one seed.
+        rng: a seed, or a generator to draw one from. run: its number in an ensemble of one seed. ideal: known before.
         Every effect draws from a stream of its own, keyed by seed, run, name of the mount, sensor and name
         of the effect: adding, dropping or moving one leaves the numbers of the others alone.
 
@@ -224,7 +231,7 @@ class Imu(Shown):
         and effects that do not suit their sensor.
         """
         self._check(motion)
-        return Session(self, seed_from(rng), whole_number("run", run)).record(motion)
+        return Session(self, seed_from(rng), whole_number("run", run)).record(motion, ideal)
 
     def record_long(
         self,

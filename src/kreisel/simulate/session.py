@@ -51,16 +51,12 @@ class Session:
         self._imu, self._seed, self._run, self._step = imu, seed, run, step
         self._so_far: SoFar | None = None
         self._noises: dict[str, Array] = {}
-        self._channels = {
-            "gyro": _Channel(imu.gyro_effects, imu.clock.gyro),
-            "accel": _Channel(imu.accel_effects, imu.clock.accel),
-            "mag_uT": _Channel(imu.mag_effects, imu.clock.mag),
-        }
+        self._channels = {sensor: _Channel(*parts_of(imu, sensor)) for sensor in SENSORS}
 
-    def record(self, motion: Motion) -> Recorded[ImuRecording]:
-        """What is read at the times of `motion`, which follows that of the call before."""
+    def record(self, motion: Motion, ideal: ImuRecording | None = None) -> Recorded[ImuRecording]:
+        """What is read at the times of `motion`, which follows that of the call before; `ideal` where it is known."""
         imu, so_far = self._imu, self._so_far
-        ideal = imu.ideal(motion)
+        ideal = imu.ideal(motion) if ideal is None else ideal
         sensors = [sensor for sensor in SENSORS if getattr(ideal, sensor) is not None]
         before = {sensor: self._channels[sensor].copy() for sensor in sensors}
         sensed = {
@@ -122,15 +118,13 @@ class Session:
         errors: Mapping[str, Array] | None = None,
     ) -> Sensed:
         """What one sensor reads; its channel moves on to the end of the motion."""
-        rows = channel.sampling.rows(motion.t, so_far)
-        collected = channel.sampling.collect(motion.t, getattr(ideal, sensor), rows)
-        felt = Felt(collected, rows, steps(motion.t[rows], channel.last), ideal.accel[rows])
+        felt = felt_by(channel.sampling, sensor, motion, ideal, so_far, channel.last)
         stream_of = partial(stream, self._seed, self._run, f"{self._imu.mount.name}/{sensor}")
         contexts = contexts_of(self._imu, sensor, motion, felt, channel.count)
-        sensed = sense(channel.effects, collected, contexts, stream_of, errors, channel.states)
-        channel.count += len(collected)
-        channel.last = float(motion.t[rows][-1]) if len(collected) else channel.last
-        return Sensed(*(spread(column, rows, len(motion)) for column in sensed))
+        sensed = sense(channel.effects, felt.reading, contexts, stream_of, errors, channel.states)
+        channel.count += len(felt.reading)
+        channel.last = float(motion.t[felt.rows][-1]) if len(felt.reading) else channel.last
+        return Sensed(*(spread(column, felt.rows, len(motion)) for column in sensed))
 
     def _white_noises(self, motion: Motion, sensors: Sequence[str]) -> dict[str, Array]:
         """Deviations (3,) of the white noise in one sample at the median step, of the sensors that have some."""
@@ -142,6 +136,26 @@ class Session:
                 step = self._step or np.median(steps(motion.t[channel.sampling.rows(motion.t)]))
                 noises[name] = np.linalg.norm(densities, axis=0) / np.sqrt(step)
         return noises
+
+
+def parts_of(imu: Imu, sensor: str) -> tuple[Sequence[Effect], Sampling]:
+    """The effects of one sensor, and when it samples."""
+    name = sensor.removesuffix("_uT")
+    return getattr(imu, f"{name}_effects"), getattr(imu.clock, name)
+
+
+def felt_by(
+    sampling: Sampling,
+    sensor: str,
+    motion: Motion,
+    ideal: ImuRecording,
+    so_far: SoFar | None = None,
+    last: float | None = None,
+) -> Felt:
+    """What a sensor that samples so hands on to its effects; `last` is the time of its sample before, s."""
+    rows = sampling.rows(motion.t, so_far)
+    reading = sampling.collect(motion.t, getattr(ideal, sensor), rows)
+    return Felt(reading, rows, steps(motion.t[rows], last), ideal.accel[rows])
 
 
 def contexts_of(imu: Imu, sensor: str, motion: Motion, felt: Felt, count: int = 0) -> Iterator[Context]:

@@ -24,8 +24,8 @@ from kreisel.study.signature import Place, call, unknown
 _MAX_BYTES = 1_000_000
 _MAX_DEPTH = 10
 
-_TABLES = ("trajectory", "imu", "environment", "filter")
-_OF_FILTERS = ("name", "align", "clock_offset")  # keys of a filter that are no tuning
+_TABLES = ("trajectory", "imu", "environment", "filter", "vary")
+_OF_FILTERS = ("name", "align", "clock_offset", "start_error_deg")  # keys of a filter that are no tuning
 _OF_EFFECTS = ("sensor", "before", "after")  # keys of an effect that are no parameters
 _PLURAL = {"imu": "imus", "filter": "filters"}
 
@@ -48,7 +48,18 @@ def load(path: Path) -> Scenario:
 def parse(text: str, folder: Path, source: str) -> Scenario:
     """The scenario that a text writes; see `Scenario.from_toml`."""
     where = Place(source)
-    table = _read(text, where)
+    scenario = of_table(_read(text, where), folder, where)
+    build(scenario, where)
+    if scenario.vary:
+        # Loaded here: it makes scenarios of tables with this module.
+        from kreisel.study.ensemble.draws import Draws
+
+        Draws(scenario, where).check()
+    return scenario
+
+
+def of_table(table: Mapping[str, Any], folder: Path, where: Place) -> Scenario:
+    """The scenario whose plain table this is, its recipes not yet made; ValueError with the key."""
     scalars = {name: value for name, value in table.items() if name not in _TABLES}
     for name in scalars:
         _check_known(where, name)
@@ -65,21 +76,26 @@ def parse(text: str, folder: Path, source: str) -> Scenario:
         parts["imus"] = tuple(_imu(t, place) for t, place in _tables(table, "imu", where))
     if "filter" in table:
         parts["filters"] = tuple(_filter(t, place) for t, place in _tables(table, "filter", where))
-    scenario = call(Scenario, scalars, where, ready=parts)
-    build(scenario, where)
-    return scenario
+    if "vary" in table:
+        parts["vary"] = _checked_table(table["vary"], where.at("vary"))
+    return call(Scenario, scalars, where, ready=parts)
 
 
 def text(scenario: Scenario) -> str:
     """A scenario as TOML; see `Scenario.to_toml`."""
     import tomli_w
 
+    return tomli_w.dumps(table_of(scenario))
+
+
+def table_of(scenario: Scenario) -> dict[str, Any]:
+    """The plain table of a scenario, which `of_table` makes it of again; ValueError for a trajectory of functions."""
     if not isinstance(scenario.trajectory, TrajectoryRecipe):
         raise ValueError(
             f"a {type(scenario.trajectory).__name__} cannot be written to a scenario file; write its functions as "
             'text: TrajectoryRecipe("expressions", {"position": ["cos(t)", "sin(t)", "0"]}).'
         )
-    table = _given(scenario, leave_out=("trajectory", "imus", "environment", "filters", "folder"))
+    table = _given(scenario, leave_out=("trajectory", "imus", "environment", "filters", "vary", "folder"))
     table["trajectory"] = {"kind": scenario.trajectory.kind, **_filled(scenario.trajectory.parameters)}
     table["environment"] = _given(scenario.environment, leave_out=("disturbances",))
     if scenario.environment.disturbances:
@@ -88,7 +104,10 @@ def text(scenario: Scenario) -> str:
         ]
     table["imu"] = [_imu_table(imu) for imu in scenario.imus]
     table["filter"] = [{**_given(f, leave_out=("tuning",)), **_filled(f.tuning)} for f in scenario.filters]
-    return tomli_w.dumps(_lists(table))
+    if scenario.vary:
+        table["vary"] = dict(scenario.vary)
+    made: dict[str, Any] = _lists(table)
+    return made
 
 
 # --- reading ---
@@ -116,9 +135,9 @@ def _inside(value: Any) -> list[Any]:
 
 
 def _check_known(where: Place, name: str) -> None:
-    known = [f.name for f in fields(Scenario) if f.name not in (*_PLURAL.values(), "folder")]
+    known = [f.name for f in fields(Scenario) if f.name not in (*_PLURAL.values(), "vary", "folder")]
     if name not in known:
-        unknown(where, name, [*known, *_PLURAL])
+        unknown(where, name, [*known, *_PLURAL, "vary"])
 
 
 def _trajectory(table: Any, where: Place) -> TrajectoryRecipe:

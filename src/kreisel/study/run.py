@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kreisel.data.cards import Card, Shown, course
+from kreisel.data.checks import Array
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
+from kreisel.maths.rotations import euler_from_matrix, matrix_from_euler
 from kreisel.study.building import build, declination, surroundings
 from kreisel.study.scenario import EnvironmentRecipe, FilterRecipe, Scenario, TrajectoryRecipe
 from kreisel.study.sensor import record_all
@@ -72,7 +74,7 @@ class Result(Shown):
         t = self.motion.t
         return {
             "schema": SCHEMA,
-            "scenario": _described(self.scenario),
+            "scenario": described(self.scenario),
             "samples": len(t),
             "start_s": float(t[0]),
             "end_s": float(t[-1]),
@@ -80,7 +82,7 @@ class Result(Shown):
             "notes": [asdict(note) for note in self.motion.notes],
             "imus": [{"name": r.name, "magnetometer": r.mag_uT is not None} for r in self.recordings],
             "estimates": [
-                {"imu": e.imu, "filter": e.filter, "errors": _json_safe(asdict(e.summary))}
+                {"imu": e.imu, "filter": e.filter, "errors": json_safe(asdict(e.summary))}
                 for e in self.estimates
             ],
         }
@@ -93,28 +95,36 @@ def run(scenario: Scenario, on_done: Callable[[], object] | None = None) -> Resu
     """
     parts = build(scenario)
     motion = parts.trajectory.sample(parts.t)
-    recordings, recorded = record_all(parts.imus, motion, scenario.seed, on_done)
+    recordings, recorded = record_all(parts.imus, motion, scenario.seed, on_done, scenario.run)
     estimates = []
     for imu, recording in zip(parts.imus, recordings, strict=True):
         for recipe, (_, filter) in zip(scenario.filters, parts.filters, strict=True):
-            estimates.append(_estimate(recipe, filter, recording, motion.at(imu.mount)))
+            estimates.append(estimated(recipe, filter, recording, motion.at(imu.mount)))
             if on_done is not None:
                 on_done()
     mounts = tuple(imu.mount for imu in parts.imus)
     return Result(scenario, motion, mounts, recordings, tuple(estimates), recorded)
 
 
-def _estimate(recipe: FilterRecipe, filter: Any, recording: ImuRecording, truth: Motion) -> Estimate:
+def estimated(recipe: FilterRecipe, filter: Any, recording: ImuRecording, truth: Motion) -> Estimate:
+    """What the `filter` of a recipe makes of a recording of the sensor whose true motion is `truth`."""
     # Loaded here: numba's kernels, which a scenario without filters need not wait for.
-    from kreisel.estimate.run import run as estimated
+    from kreisel.estimate.run import run as attitude_of
     from kreisel.evaluate.attitude_errors import attitude_errors
 
-    attitude = estimated(filter, recording)
+    attitude = attitude_of(filter, recording, first_attitude(recipe, truth))
     errors = attitude_errors(truth, attitude, align=recipe.align, clock_offset=recipe.clock_offset)
     return Estimate(recording.name, recipe.name, attitude, errors)
 
 
-def _described(scenario: Scenario) -> dict[str, Any]:
+def first_attitude(recipe: FilterRecipe, truth: Motion) -> Array | None:
+    """R_NS (3, 3) that a filter begins with: the true one, its roll, pitch and heading off by what the recipe says."""
+    if recipe.start_error_deg is None:
+        return None
+    return matrix_from_euler(euler_from_matrix(truth.R_NB[0]) + np.deg2rad(recipe.start_error_deg))
+
+
+def described(scenario: Scenario) -> dict[str, Any]:
     """The scenario as its file would have it, but for a trajectory of functions, which is named by its class."""
     trajectory = scenario.trajectory
     if not isinstance(trajectory, TrajectoryRecipe):
@@ -122,7 +132,7 @@ def _described(scenario: Scenario) -> dict[str, Any]:
     table = asdict(replace(scenario, trajectory=trajectory))
     table["environment"] |= _resolved(scenario.environment)
     del table["folder"]
-    return _json_safe(table)
+    return json_safe(table)
 
 
 def _resolved(recipe: EnvironmentRecipe) -> dict[str, Any]:
@@ -136,10 +146,10 @@ def _resolved(recipe: EnvironmentRecipe) -> dict[str, Any]:
     }
 
 
-def _json_safe(value: Any) -> Any:
+def json_safe(value: Any) -> Any:
     """`value` with tuples as lists, and None for the numbers that JSON does not know."""
     if isinstance(value, Mapping):
-        return {name: _json_safe(item) for name, item in value.items()}
+        return {name: json_safe(item) for name, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_json_safe(item) for item in value]
+        return [json_safe(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

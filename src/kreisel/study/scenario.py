@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from kreisel.data.cards import Shown
-from kreisel.data.checks import choice, file_name, finite_number
+from kreisel.data.checks import choice, file_name, finite_number, whole_number
 from kreisel.data.trajectory import Trajectory
+from kreisel.study.ensemble.distributions import distributions
 from kreisel.study.values import Vector, calendar_day, plain, unlike, vector
 
 Align = Literal["heading", "frame", "frame+sensor"]
@@ -40,6 +41,9 @@ class FilterRecipe:
     name: str = ""  # in reports and file names; the kind where it is left out
     align: Align | None = None  # what is fitted and removed before errors count, as `attitude_errors` has it
     clock_offset: float | Literal["estimate"] = 0.0  # s, by which the estimate's stamps are ahead
+    start_error_deg: Vector | None = (
+        None  # roll, pitch, heading: it begins so far off the truth; None: by itself
+    )
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -49,6 +53,8 @@ class FilterRecipe:
             choice("align", self.align, get_args(Align))
         if self.clock_offset != "estimate":
             put(self, "clock_offset", finite_number("clock_offset", self.clock_offset))
+        if self.start_error_deg is not None:
+            put(self, "start_error_deg", vector("start_error_deg", self.start_error_deg))
 
 
 @dataclass(frozen=True)
@@ -164,6 +170,8 @@ class Scenario(Shown):
     environment: EnvironmentRecipe = EnvironmentRecipe()
     filters: tuple[FilterRecipe, ...] = ()
     folder: Path = field(default=Path(), compare=False)  # where relative paths of files begin
+    run: int = 0  # number of the run among those of one seed
+    vary: Mapping[str, Any] = field(default_factory=dict)  # path -> what `monte_carlo` draws it from
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -174,6 +182,8 @@ class Scenario(Shown):
             put(self, "start", finite_number("start", self.start))
         if isinstance(self.seed, bool) or not isinstance(self.seed, int) or self.seed < 0:
             raise ValueError(f"seed must be a whole number, 0 or more; got {self.seed!r}.")
+        put(self, "run", whole_number("run", self.run))
+        put(self, "vary", distributions(self.vary))
         put(self, "imus", unlike("imu", tuple(self.imus)))
         put(self, "filters", unlike("filter", tuple(self.filters)))
         put(self, "folder", Path(self.folder))

@@ -92,13 +92,13 @@ def errs(imu: Imu) -> bool:
 
 
 def record_all(
-    imus: Sequence[Imu], motion: Motion, seed: int, on_done: Callable[[], object] | None = None
+    imus: Sequence[Imu], motion: Motion, seed: int, on_done: Callable[[], object] | None = None, run: int = 0
 ) -> tuple[tuple[ImuRecording, ...], tuple[Recorded[ImuRecording], ...]]:
     """What each IMU read, and of those that err what is known of it; a perfect one in peace needs no draw.
 
     on_done : called after each IMU.
     """
-    return _read_all(imus, lambda imu: imu.record(motion, seed), lambda imu: imu.ideal(motion), on_done)
+    return _read_all(imus, lambda imu: imu.record(motion, seed, run), lambda imu: imu.ideal(motion), on_done)
 
 
 def add_up_all(

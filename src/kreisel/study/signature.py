@@ -7,6 +7,7 @@ import inspect
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, is_dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, get_args, get_type_hints
 
 if TYPE_CHECKING:
@@ -66,7 +67,7 @@ def call(
     parameters = {name: parameter for name, parameter in _parameters(make).items() if name not in done}
     try:
         # As JSON, because there a list may stand for a tuple and yet text never for a number.
-        checked = _model(make, parameters).model_validate_json(json.dumps(table, default=_named))
+        checked = _model(make, tuple(parameters)).model_validate_json(json.dumps(table, default=_named))
     except ValidationError as error:
         _refuse(error.errors(include_url=False), table, parameters, where)
     given = {name: getattr(checked, name) for name in table}
@@ -78,6 +79,8 @@ def call(
         raise ValueError(f"{where}: its numbers cannot be calculated with ({error}).") from None
 
 
+# These and models take milliseconds to make, and an ensemble asks for the same few in each of a thousand runs.
+@lru_cache(maxsize=256)
 def _parameters(make: Callable[..., Any]) -> Mapping[str, inspect.Parameter]:
     if not is_dataclass(make):
         return inspect.signature(make, eval_str=True).parameters
@@ -92,9 +95,12 @@ def _named(value: Any) -> dict[str, str]:
     return {type(value).__name__: str(value)}
 
 
-def _model(make: Callable[..., Any], parameters: Mapping[str, inspect.Parameter]) -> type[BaseModel]:
+@lru_cache(maxsize=256)
+def _model(make: Callable[..., Any], names: tuple[str, ...]) -> type[BaseModel]:
+    """What checks those arguments of `make`."""
     from pydantic import ConfigDict, create_model
 
+    parameters = {name: _parameters(make)[name] for name in names}
     fields: dict[str, Any] = {
         name: (parameter.annotation, ... if parameter.default is parameter.empty else None)
         for name, parameter in parameters.items()

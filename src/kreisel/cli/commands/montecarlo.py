@@ -1,0 +1,182 @@
+"""Turns a scenario file into many runs of it: statistics, what drives the errors, pictures: `kreisel montecarlo`."""
+
+from __future__ import annotations
+
+import time
+from argparse import ArgumentParser, Namespace
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from kreisel.cli.outputs import (
+    Output,
+    aligned,
+    check_outputs,
+    output_folder,
+    picture,
+    write_outputs,
+    written,
+)
+from kreisel.cli.progress import Progress
+from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
+from kreisel.cli.tables import print_table
+from kreisel.cli.values import UsageError, as_typed, typed
+
+if TYPE_CHECKING:
+    from kreisel.study.ensemble.ensemble import Ensemble
+    from kreisel.study.scenario import Scenario
+
+HELP = "many runs of a scenario file, on all cores: how good, how often, and what drives it"
+
+_EXAMPLES = """\
+examples:
+  kreisel montecarlo scenario.toml --runs 1000 -o ensemble/
+  kreisel montecarlo scenario.toml --runs 1000 --vary 'imu.imu.p_BS[0]=normal(0, 0.01)' -o ensemble/
+
+What varies beside the noise stands in the file's own [vary] or in --vary: docs/montecarlo.md.
+"""
+
+_ROWS = (
+    ("total RMSE, deg", "total_rmse_deg"),
+    ("heading RMSE, deg", "heading_rmse_deg"),
+    ("inclination RMSE, deg", "inclination_rmse_deg"),
+    ("largest total error, deg", "total_max_deg"),
+    ("below 5 deg for good after, s", "convergence_time_s"),
+    ("(error / sigma)^2", "nees"),
+)
+_STATISTICS = ("mean", "p05", "median", "p95", "max")
+_MOST_DRIVERS = 5
+
+
+def _whole(least: int) -> Any:
+    def read(text: str) -> int:
+        number = int(text) if text.strip().isdecimal() else -1
+        if number < least:
+            raise ValueError(f"takes a whole number, {least} or more; got {text!r}.")
+        return number
+
+    return typed(read)
+
+
+def _varied(text: str) -> tuple[str, str]:
+    """PATH=DISTRIBUTION in its two parts, the second checked."""
+    from kreisel.study.ensemble.distributions import Distribution
+
+    path, equals, distribution = text.partition("=")
+    if not equals or not path.strip():
+        raise ValueError(f"takes PATH=DISTRIBUTION, such as trajectory.period=uniform(6, 10); got {text!r}.")
+    Distribution.of(distribution)
+    return path.strip(), distribution
+
+
+def configure(parser: ArgumentParser) -> None:
+    """Add the command's arguments."""
+    parser.add_argument("scenario", metavar="SCENARIO", help="TOML file with the scenario")
+    parser.add_argument("--runs", type=_whole(1), default=1000, metavar="N", help="how many (default 1000)")
+    parser.add_argument(
+        "-o", "--output", metavar="FOLDER", type=output_folder, help="folder for what is made"
+    )
+    parser.add_argument(
+        "--vary", action="append", type=typed(_varied), default=[], metavar="PATH=DISTRIBUTION",
+        help="draw a value in every run: normal(mean, sigma), uniform(a, b), loguniform(a, b), choice(a, b, ...)",
+    )  # fmt: skip
+    parser.add_argument("--seed", type=_whole(0), metavar="N", help="another seed than the file's")
+    parser.add_argument(
+        "--threads", type=_whole(1), metavar="N", help="how many at most (default: all cores)"
+    )
+    parser.add_argument("--no-pictures", action="store_true", help="write data only")
+    add_report_arguments(parser, dry_run=True)
+    parser.epilog = _EXAMPLES
+
+
+def run(args: Namespace) -> int:
+    """Read, check, run, write."""
+    from kreisel.study.monte_carlo import monte_carlo
+
+    if args.output is None and not args.dry_run:
+        raise UsageError("montecarlo needs a folder for what it makes: -o FOLDER; or --dry-run to look only.")
+    started = time.perf_counter()
+    scenario = _scenario(args)
+    outputs = _outputs(scenario, pictures=not args.no_pictures)
+    check_outputs(args.output or Path(), outputs)
+    if args.dry_run:
+        varied = ", ".join(scenario.vary) or "noise alone"
+        return tell_plan(
+            args, {args.scenario: f"{args.runs} runs; varied: {varied}"}, written(args.output, outputs)
+        )
+    with Progress(args.runs, "runs") as progress:
+        made = monte_carlo(scenario, args.runs, threads=args.threads, on_done=progress.reach)
+    spent = time.perf_counter() - started
+    lines = write_outputs(args.output, outputs, made)
+    if args.json:
+        print_json(made.report() | {"files": [str(path) for path in written(args.output, outputs)]})
+        return 0
+    _tell(made)
+    print(f"\n{made.runs} runs in {spent:.1f} s, {made.runs / spent:.0f} a second; written:")
+    print(aligned(lines))
+    return 0
+
+
+def _scenario(args: Namespace) -> Scenario:
+    """The scenario with what was typed; a path that leads nowhere is told as typed."""
+    from kreisel.study.monte_carlo import prepare
+    from kreisel.study.scenario import Scenario
+
+    scenario = Scenario.load(args.scenario)
+    prepare(scenario, args.runs)
+    if args.seed is not None:
+        scenario = replace(scenario, seed=args.seed)
+    with as_typed():
+        return prepare(scenario, args.runs, dict(args.vary)).scenario
+
+
+def _outputs(scenario: Scenario, pictures: bool) -> list[Output[Ensemble]]:
+    """Every file that an ensemble of `scenario` writes."""
+    from kreisel.study.ensemble import files
+
+    made: list[Output[Ensemble]] = [
+        Output(files.SCENARIO, "the scenario with what varies", files.write_scenario),
+        Output(files.REPORT, "statistics and correlations, for programs", files.write_report),
+        Output(files.ARRAYS, "every run's inputs and errors, quantiles over time", files.write_arrays),
+    ]
+    pairs = [(imu.name, filter.name) for imu in scenario.imus for filter in scenario.filters]
+    for k, (imu, filter) in enumerate(pairs if pictures else []):
+        made += _pictures(k, f"{imu}-{filter}".replace(" ", "-"), bool(scenario.vary))
+    return made
+
+
+def _pictures(k: int, stem: str, drawn: bool) -> list[Output[Ensemble]]:
+    from kreisel import show
+
+    made: list[Output[Ensemble]] = [
+        picture(f"{stem}-fans.png", "errors over time, as bands of runs", lambda e: show.plot_fans(e, k)),
+        picture(f"{stem}-runs.png", "how many runs are how good", lambda e: show.plot_histograms(e, k)),
+    ]
+    driven: Output[Ensemble] = picture(
+        f"{stem}-drivers.png", "what drives the errors", lambda e: show.plot_tornado(e, k)
+    )
+    return [*made, driven] if drawn else made
+
+
+def _tell(made: Ensemble) -> None:
+    for k, each in enumerate(made.estimates):
+        print(f"{made.runs} runs of {made.base.name or 'a scenario'}: {each.filter} on {each.imu}")
+        summary = each.summary()
+        rows = [
+            (label, *(_shown(summary[name][statistic], statistic) for statistic in _STATISTICS))
+            for label, name in _ROWS
+            if name in summary
+        ]
+        print_table(("over runs", "mean", "5 %", "median", "95 %", "worst"), rows)
+        drivers = [
+            (path, rho) for path, rho in made.correlations("heading_rmse_deg", k).items() if rho == rho
+        ]
+        for path, rho in drivers[:_MOST_DRIVERS]:
+            print(f"  heading RMSE goes with {path}: rank correlation {rho:+.2f}")
+
+
+def _shown(value: float, statistic: str) -> str:
+    if value == float("inf"):
+        # Of times some of which are never there is no mean.
+        return "-" if statistic == "mean" else "never"
+    return f"{value:.3g}"

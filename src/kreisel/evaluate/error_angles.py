@@ -1,0 +1,184 @@
+"""Turns true and estimated attitudes into the angles of the error between them, and these into statistics.
+
+Compiled, and the same to the bit for one run as for a thousand: `attitude_errors` and ensembles both call this.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from kreisel.data.attitude import Mask
+from kreisel.data.checks import Array
+from kreisel.maths.arctan import arctan2
+from kreisel.maths.kernels import argument, inlined, kernel, wide_vectors
+
+CHUNK = 256
+"""Samples worked on at a time: their matrices lie in the first-level cache."""
+
+DEGREES = 180.0 / math.pi
+
+# Magnitudes in degrees are counted by the upper bits of their floating-point numbers: exponent and six of mantissa,
+# from 2^-31 up. What is smaller counts together.
+_SHIFT = np.int64(46)
+_LOWEST = np.int64((1023 - 31) << 6)
+_BUCKETS = 2560
+_LANES = 16
+
+
+Counts = npt.NDArray[np.int64]
+
+
+class Spread(NamedTuple):
+    """Statistics of the magnitudes of one angle over a run, deg; NaN where one of them is."""
+
+    rmse: float
+    mean: float
+    median: float
+    p95: float
+    max: float
+
+
+def rows_of(R: Array) -> Array:
+    """Matrices (n, 3, 3) as rows (blocks, 9 * CHUNK), one per element: how `error_angles` takes the truth.
+
+    Made once for many estimates; the last block is filled up with zeros.
+    """
+    blocks = -(-len(R) // CHUNK)
+    padded = np.zeros((blocks * CHUNK, 9))
+    padded[: len(R)] = R.reshape(len(R), 9)
+    return np.ascontiguousarray(padded.reshape(blocks, CHUNK, 9).swapaxes(1, 2)).reshape(blocks, 9 * CHUNK)
+
+
+def error_angles(truth: Array, R: Array) -> Array:
+    """Total, heading (signed) and inclination (3, n) rad of the errors of R (n, 3, 3) against `rows_of` the truth."""
+    angles = np.empty((3, len(R)))
+    angles_into(argument(truth), argument(R), angles)
+    return angles
+
+
+def spread(angle: Array, counts: Mask | None = None) -> Spread:
+    """Statistics of |angle| (n,) rad over the samples that count, all of them for None; at least one has to."""
+    chosen = angle if counts is None else angle[counts]
+    out = np.empty(len(Spread._fields))
+    spread_into(argument(chosen), out)
+    return Spread(*out.tolist())
+
+
+@kernel
+def angles_into(truth: Array, R: Array, angles: Array) -> None:
+    """`error_angles`, into `angles` (3, n)."""
+    wide_vectors()
+    e, out = np.zeros(9 * CHUNK), np.empty(3 * CHUNK)
+    for block in range(truth.shape[0]):
+        begin = block * CHUNK
+        m = min(CHUNK, R.shape[0] - begin)
+        for i in range(m):
+            for row in range(3):
+                for c in range(3):
+                    e[(3 * row + c) * CHUNK + i] = R[begin + i, row, c]
+        _angles(truth[block], e, out)
+        for k in range(3):
+            for i in range(m):
+                angles[k, begin + i] = out[k * CHUNK + i]
+
+
+@kernel
+def _angles(t: Array, e: Array, out: Array) -> None:
+    """Of E = R_est R_true^T: heading is the twist about up of its quaternion, inclination the way of its third axis.
+
+    With the quaternion (w, x, y, z), E10 - E01 = 4 w z and E00 + E11 = 2 (w^2 - z^2), so that
+    heading = 2 atan(z / w) = atan2(E10 - E01, E00 + E11); and E22 = cos of the inclination.
+    """
+    wide_vectors()
+    for i in range(CHUNK):
+        xx = _product(e, t, i, 0, 0)
+        xy = _product(e, t, i, 0, 1)
+        xz = _product(e, t, i, 0, 2)
+        yx = _product(e, t, i, 1, 0)
+        yy = _product(e, t, i, 1, 1)
+        yz = _product(e, t, i, 1, 2)
+        zx = _product(e, t, i, 2, 0)
+        zy = _product(e, t, i, 2, 1)
+        zz = _product(e, t, i, 2, 2)
+        a, b, c = zy - yz, xz - zx, yx - xy
+        out[i] = arctan2(math.sqrt(a * a + b * b + c * c), xx + yy + zz - 1.0)
+        out[CHUNK + i] = arctan2(c, xx + yy)
+        out[2 * CHUNK + i] = arctan2(math.sqrt(xz * xz + yz * yz), zz)
+
+
+@inlined
+def _product(e: Array, t: Array, i: int, row: int, column: int) -> float:
+    """Element of R_est R_true^T at sample i."""
+    j, k = 3 * row * CHUNK + i, 3 * column * CHUNK + i
+    return e[j] * t[k] + e[j + CHUNK] * t[k + CHUNK] + e[j + 2 * CHUNK] * t[k + 2 * CHUNK]
+
+
+@kernel
+def spread_into(angle: Array, out: Array) -> None:
+    """`spread` of all samples (n,), into `out` (5,)."""
+    wide_vectors()
+    n = angle.shape[0]
+    x = np.empty(n)
+    out[0], out[1], out[4] = _moments(angle, x)
+    if not out[1] < np.inf:
+        out[:] = np.nan
+        return
+    below = np.zeros(_BUCKETS + 1, np.int64)
+    for k in range(n):
+        below[_bucket(x[k]) + 1] += 1
+    for k in range(_BUCKETS):
+        below[k + 1] += below[k]
+    middle, at = 0.5 * (n - 1), 0.95 * (n - 1)
+    first, second = _two(x, below, math.floor(middle))
+    out[2] = 0.5 * (first + second) if n % 2 == 0 else first
+    first, second = _two(x, below, math.floor(at))
+    out[3] = first + (second - first) * (at - math.floor(at))
+
+
+@kernel
+def _moments(angle: Array, x: Array) -> tuple[float, float, float]:
+    """Root mean square, mean and largest of the magnitudes, which are put into `x`, deg."""
+    wide_vectors()
+    n = angle.shape[0]
+    sums, squares, largest = np.zeros(_LANES), np.zeros(_LANES), np.zeros(_LANES)
+    for k in range(n):
+        x[k] = abs(angle[k]) * DEGREES
+    whole = n - n % _LANES
+    # The sums of every sixteenth sample: LLVM keeps the order of a sum, and one sum would wait for itself.
+    for k in range(0, whole, _LANES):
+        for j in range(_LANES):
+            value = x[k + j]
+            sums[j] += value
+            squares[j] += value * value
+            largest[j] = value if value > largest[j] else largest[j]
+    for k in range(whole, n):
+        sums[k - whole] += x[k]
+        squares[k - whole] += x[k] * x[k]
+        largest[k - whole] = max(largest[k - whole], x[k])
+    return math.sqrt(squares.sum() / n), sums.sum() / n, largest.max()
+
+
+@kernel
+def _bucket(x: float) -> np.int64:
+    bits = np.float64(x).view(np.int64)
+    return min(max((bits >> _SHIFT) - _LOWEST, np.int64(0)), np.int64(_BUCKETS - 1))
+
+
+@kernel
+def _two(x: Array, below: Counts, rank: int) -> tuple[float, float]:
+    """The numbers of rank `rank` and `rank` + 1, counted from 0; the first twice where it is the last."""
+    following = min(rank + 1, x.shape[0] - 1)
+    low = np.searchsorted(below, rank, side="right") - 1
+    high = np.searchsorted(below, following, side="right") - 1
+    found = np.empty(below[high + 1] - below[low])
+    count = 0
+    for k in range(x.shape[0]):
+        if low <= _bucket(x[k]) <= high:
+            found[count] = x[k]
+            count += 1
+    found.sort()
+    return found[rank - below[low]], found[following - below[low]]
