@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from dataclasses import replace
+from hashlib import blake2b
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from kreisel.data.checks import Array
+from kreisel.study.engine import run_blocks
 from kreisel.study.ensemble.distributions import distributions
 from kreisel.study.ensemble.draws import Draws
 from kreisel.study.ensemble.ensemble import LEVELS, Ensemble, Estimates
 from kreisel.study.ensemble.figures import KINDS, instants
 from kreisel.study.ensemble.work import INSTANTS, Columns, Work
+from kreisel.study.run import described
 from kreisel.study.scenario import Scenario
 
 # ns a sample of one filter on one IMU, noise and errors included, and s that a block of runs is to take.
@@ -29,26 +32,43 @@ def monte_carlo(
     runs: int,
     vary: Mapping[str, Any] | None = None,
     *,
+    backend: str | None = None,
     threads: int | None = None,
+    folder: Path | str | None = None,
+    resume: bool = False,
     on_done: Callable[[int], None] | None = None,
 ) -> Ensemble:
     """Run `scenario` with the noise, and with the values, of runs 0, 1, ... `runs` - 1 of its seed.
 
     vary : path of a value -> its distribution, as in {"imu.imu.p_BS[0]": {"normal": [0, 0.01]}}, beside those that the
         scenario's own `vary` has; docs/montecarlo.md lists them.
-    threads : how many at most; None for all cores. They change no bit of the result.
+    backend : None for threads of this process, "dask" for workers started on this machine, "tcp://host:port" for a
+        scheduler that runs already.
+    threads : how many at most, on this machine; None for all cores. Neither changes a bit of the result.
+    folder : finished runs are written there as they come; with `resume` it goes on where it was interrupted.
     on_done : called with the number of runs done, every time it grows.
     Raises ValueError for less than one run, for paths that lead nowhere, for a scenario without filters, and with
-    path, value and run where a value was drawn that cannot be.
+    path, value and run where a value was drawn that cannot be; and as `kreisel.run_blocks` does, such as for a folder
+    of another scenario.
     """
     work = prepare(scenario, runs, vary)
     done: dict[int, Columns] = {}
+    results = run_blocks(
+        work,
+        len(work.blocks),
+        fingerprint="" if folder is None else fingerprint(work),
+        backend=backend,
+        threads=threads,
+        folder=folder,
+        resume=resume,
+    )
     count = 0
-    for number, columns in _run_blocks(work, threads):
-        done[number] = columns
-        count += len(work.block(number))
-        if on_done is not None:
-            on_done(count)
+    with closing(results) as blocks:
+        for number, columns in blocks:
+            done[number] = columns
+            count += len(work.block(number))
+            if on_done is not None:
+                on_done(count)
     return gather(work, [done[number] for number in work.blocks])
 
 
@@ -90,13 +110,29 @@ def _quantiles(traces: Any) -> dict[str, Array]:
     }
 
 
-def _run_blocks(work: Work, threads: int | None) -> Iterator[tuple[int, Columns]]:
-    """Blocks by their numbers, as they are done."""
-    count = len(os.sched_getaffinity(0)) if threads is None else threads
-    with ThreadPoolExecutor(max(count, 1)) as pool:
-        try:
-            yield from zip(work.blocks, pool.map(work, work.blocks), strict=True)
-        except BaseException:
-            # Whoever waits for an error or presses Ctrl-C need not wait for the blocks that have not begun.
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+def fingerprint(work: Work) -> dict[str, Any]:
+    """What decides every bit of the blocks of `work`: the scenario, what the files it names hold, how runs are cut."""
+    scenario = work.scenario
+    table = described(scenario)
+    files = {
+        text: blake2b((scenario.folder / text).read_bytes(), digest_size=16).hexdigest()
+        for text in sorted(set(_texts(table)))
+        if _is_file(scenario.folder / text)
+    }
+    return {"scenario": table, "files": files, "runs": work.runs, "runs in a block": work.size}
+
+
+def _texts(value: Any) -> Iterator[str]:
+    """Every text in a plain value."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Mapping | list | tuple):
+        for part in value.values() if isinstance(value, Mapping) else value:
+            yield from _texts(part)
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # a text that no file can be called
+        return False

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import shutil
 import time
 from argparse import ArgumentParser, Namespace
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kreisel.cli.notes import note
 from kreisel.cli.outputs import (
     Output,
     aligned,
@@ -32,8 +36,11 @@ _EXAMPLES = """\
 examples:
   kreisel montecarlo scenario.toml --runs 1000 -o ensemble/
   kreisel montecarlo scenario.toml --runs 1000 --vary 'imu.imu.p_BS[0]=normal(0, 0.01)' -o ensemble/
+  kreisel montecarlo scenario.toml --runs 100000 -o ensemble/ --resume      # on from where it was interrupted
+  kreisel montecarlo scenario.toml --runs 100000 -o ensemble/ --backend tcp://10.0.0.1:8786
 
-What varies beside the noise stands in the file's own [vary] or in --vary: docs/montecarlo.md.
+What varies beside the noise stands in the file's own [vary] or in --vary: docs/montecarlo.md. Finished runs are kept in
+FOLDER/blocks until all are there; clusters: docs/cluster.md.
 """
 
 _ROWS = (
@@ -44,6 +51,9 @@ _ROWS = (
     ("below 5 deg for good after, s", "convergence_time_s"),
     ("(error / sigma)^2", "nees"),
 )
+BLOCKS = "blocks"
+"""Folder of finished runs, beside what is made of them in the end."""
+
 _STATISTICS = ("mean", "p05", "median", "p95", "max")
 _MOST_DRIVERS = 5
 
@@ -56,6 +66,17 @@ def _whole(least: int) -> Any:
         return number
 
     return typed(read)
+
+
+def _backend(text: str) -> str:
+    """A backend's name or address, whose form alone is checked."""
+    from kreisel.study.engine import LOCAL
+
+    if text != LOCAL and "://" not in text:
+        raise ValueError(
+            f"takes {LOCAL} or the address of a scheduler such as tcp://127.0.0.1:8786; got {text!r}."
+        )
+    return text
 
 
 def _varied(text: str) -> tuple[str, str]:
@@ -84,6 +105,13 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--threads", type=_whole(1), metavar="N", help="how many at most (default: all cores)"
     )
+    parser.add_argument(
+        "--backend", type=typed(_backend), metavar="WHERE",
+        help="dask for workers on this machine, tcp://HOST:PORT for a scheduler that runs (default: threads)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--resume", action="store_true", help="go on with the finished runs of FOLDER, if there are any"
+    )
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     add_report_arguments(parser, dry_run=True)
     parser.epilog = _EXAMPLES
@@ -104,10 +132,21 @@ def run(args: Namespace) -> int:
         return tell_plan(
             args, {args.scenario: f"{args.runs} runs; varied: {varied}"}, written(args.output, outputs)
         )
-    with Progress(args.runs, "runs") as progress:
-        made = monte_carlo(scenario, args.runs, threads=args.threads, on_done=progress.reach)
+    blocks = args.output / BLOCKS
+    with _resumable(blocks), Progress(args.runs, "runs") as progress:
+        made = monte_carlo(
+            scenario,
+            args.runs,
+            backend=args.backend,
+            threads=args.threads,
+            folder=blocks,
+            resume=args.resume,
+            on_done=progress.reach,
+        )
     spent = time.perf_counter() - started
     lines = write_outputs(args.output, outputs, made)
+    # All that was in them is in the ensemble now.
+    shutil.rmtree(blocks)
     if args.json:
         print_json(made.report() | {"files": [str(path) for path in written(args.output, outputs)]})
         return 0
@@ -115,6 +154,16 @@ def run(args: Namespace) -> int:
     print(f"\n{made.runs} runs in {spent:.1f} s, {made.runs / spent:.0f} a second; written:")
     print(aligned(lines))
     return 0
+
+
+@contextmanager
+def _resumable(blocks: Path) -> Iterator[None]:
+    """Say how to go on where what is done inside is interrupted or refused."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        note(f"finished runs are in {blocks}: the same command with --resume goes on with them")
+        raise
 
 
 def _scenario(args: Namespace) -> Scenario:

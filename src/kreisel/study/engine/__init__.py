@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import closing, nullcontext
 from functools import partial
 from pathlib import Path
@@ -28,7 +28,7 @@ def run_blocks(
     folder: Path | str | None = None,
     resume: bool = False,
     on_done: Callable[[int], None] | None = None,
-) -> Iterator[tuple[int, dict[str, np.ndarray]]]:
+) -> Generator[tuple[int, dict[str, np.ndarray]], None, None]:
     """(block, work(block)) for each block 0, 1, ... blocks - 1, in the order in which they finish.
 
     work : pure function of the block number, safe in threads; with a backend it has to be picklable as well.
@@ -101,7 +101,7 @@ def _given_out(
 
 def _counted(
     results: Iterator[tuple[int, Any]], on_done: Callable[[int], None] | None
-) -> Iterator[tuple[int, Any]]:
+) -> Generator[tuple[int, Any], None, None]:
     for done, result in enumerate(results, start=1):
         if on_done is not None:
             on_done(done)
