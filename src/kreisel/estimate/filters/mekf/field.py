@@ -69,7 +69,10 @@ def observe_field(state: Array, params: Array, P: Array, rest: bool) -> float:
     _correct_heading(state, params, P, error, variance, doubt)
     if tilt <= _LEVEL**2 or state[at.FIELD_TIME] == 0.0:
         reference = state[at.FIELD : at.FIELD_TIME + 1]
-        learn_reference(reference, params[at.FIELD_MEMORY], dt, level, up, 1.0 / doubt)
+        reference[2] += dt
+        k = dt / min(reference[2], params[at.FIELD_MEMORY]) / doubt
+        reference[0] += k * (level - reference[0])
+        reference[1] += k * (up - reference[1])
     if not rest and tilt <= _LEVEL**2:
         _reconsider(state, params, P, level, up)
     return at.DISTURBED if doubt > 2.0 else 0.0
@@ -135,7 +138,7 @@ def _deviation(state: Array, params: Array, level: float, up: float) -> float:
     norm = math.hypot(state[at.FIELD], state[at.FIELD + 1])
     stretched = math.hypot(level, up) - norm
     dipped = norm * (math.atan2(up, level) - math.atan2(state[at.FIELD + 1], state[at.FIELD]))
-    released = state[at.DEVIATION] * math.exp(-state[at.LENGTH] / params[at.FIELD_RELEASE])
+    released = min(state[at.DEVIATION], 9.0 * (params[at.FIELD_SPREAD] * norm)**2) * math.exp(-state[at.LENGTH] / params[at.FIELD_RELEASE])
     # What disturbed a moment ago is still near.
     state[at.DEVIATION] = max(released, min(0.5 * (stretched**2 + dipped**2), norm**2))
     return state[at.DEVIATION]
