@@ -47,10 +47,12 @@ WAITING = 66  # 4: the stretch before, whose mean is believed once the current o
 SURPRISE = 70  # 2: velocities that surprised, low-passed, m/s
 ROAMING = 72  # squared noise of the velocity as of late, m^2/s^2/Hz
 MEAN_FORCE = 73  # 3: specific force in N, low-passed, m/s^2
-CLIPPED = 76  # s, for which an axis of the gyro has read the same large rate
-NEXT_PART = 77  # s into the window, when TURN is next due
-WINDOWS = 78  # how many have closed
-COVARIANCE = 79  # 27 x 27
+CLIPPED = 76  # s, for which an axis of the gyro has read the same rate
+LATEST_ACCEL = 77  # 3
+UNMOVED = 80  # 3: m/s^2, by which turning must have changed an axis of the accelerometer that reads the same
+NEXT_PART = 83  # s into the window, when TURN is next due
+WINDOWS = 84  # how many have closed
+COVARIANCE = 85  # 27 x 27
 CORRECTION = COVARIANCE + ERRORS**2  # 27: errors found in the latest window
 
 # How the latest window moved the errors, for whoever looks back.
