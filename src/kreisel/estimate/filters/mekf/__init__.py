@@ -110,6 +110,7 @@ class MekfFilter:
         state[at.SIGMA : at.SIGMA + 3] = sigmas[:3]
         state[at.SPREAD] = sigmas[at.D] ** 2
         state[at.MEAN_FORCE + 2] = GRAVITY
+        state[at.MEAN_SQUARE] = GRAVITY**2
         state[at.EXCESS] = 1.0
         state[at.ROAMING] = state[at.WANDERING] = _FIRST_ROAMING**2
         return state

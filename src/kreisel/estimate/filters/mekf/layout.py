@@ -52,9 +52,10 @@ LATEST_ACCEL = 77  # 3
 UNMOVED = 80  # 3: m/s^2, by which turning must have changed an axis of the accelerometer that reads the same
 JUDGED = 83  # s, for which the noise of the velocity has been learned
 WANDERING = 84  # the same noise as ROAMING, however large
-NEXT_PART = 85  # s into the window, when TURN is next due
-WINDOWS = 86  # how many have closed
-COVARIANCE = 87  # 27 x 27
+MEAN_SQUARE = 85  # of the specific force, low-passed, m^2/s^4
+NEXT_PART = 86  # s into the window, when TURN is next due
+WINDOWS = 87  # how many have closed
+COVARIANCE = 88  # 27 x 27
 CORRECTION = COVARIANCE + ERRORS**2  # 27: errors found in the latest window
 
 # How the latest window moved the errors, for whoever looks back.
