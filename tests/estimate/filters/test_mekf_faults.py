@@ -110,3 +110,44 @@ def test_a_start_in_motion_finds_its_level(rng: np.random.Generator) -> None:
     total = angles_deg(run(MekfFilter(), dataclasses.replace(recording, accel=accel)).R_NS, truth)[0]
     assert total[0] > 30.0
     assert total[1500:].max() < 3.0
+
+
+def test_a_gyro_that_clips_at_a_slow_rate(rng: np.random.Generator) -> None:
+    recording, truth = worn(100.0, rng)
+    gyro = np.array(recording.gyro)
+    gyro[1000:4000] = np.clip(gyro[1000:4000], -0.3, 0.3)
+    assert is_back(dataclasses.replace(recording, gyro=gyro), truth)
+
+
+def test_coarse_scales_are_no_fault(rng: np.random.Generator) -> None:
+    recording, truth = worn(60.0, rng)
+    # Steps as wide as the noise: at rest a reading often repeats.
+    coarse = dataclasses.replace(
+        recording,
+        gyro=np.round(recording.gyro / 0.002) * 0.002,
+        accel=np.round(recording.accel / 0.05) * 0.05,
+    )
+    fine, rounded = (run(MekfFilter(), r) for r in (recording, coarse))
+    assert fine.sigma is not None and rounded.sigma is not None
+    # A window of either sensor taken for dead would triple the deviations.
+    assert (rounded.sigma[-1] < 1.2 * fine.sigma[-1]).all()
+    assert angles_deg(rounded.R_NS, truth)[0][1000:].max() < 3.0
+
+
+def test_a_magnet_soon_after_the_start_is_not_learned(rng: np.random.Generator) -> None:
+    recording, truth = worn(60.0, rng)
+    assert recording.mag_uT is not None
+    near = ((recording.t > 8.0) & (recording.t < 18.0))[:, None]
+    field = truth.transpose(0, 2, 1) @ np.array([20.0, -15.0, 10.0])
+    history = run(MekfFilter(), dataclasses.replace(recording, mag_uT=recording.mag_uT + near * field))
+    # 8 s of the field alone come before: its direction is known to a degree or two, and the gyro keeps it.
+    assert angles_deg(history.R_NS, truth)[1][800:].max() < 4.0
+
+
+def test_a_weak_magnet_that_goes_after_a_minute(rng: np.random.Generator) -> None:
+    # Mostly eastward: norm and dip hardly change, and the heading follows by 15 deg.
+    recording, truth = worn(150.0, rng)
+    assert recording.mag_uT is not None
+    near = ((recording.t > 20.0) & (recording.t < 90.0))[:, None]
+    field = truth.transpose(0, 2, 1) @ np.array([5.0, 1.0, -1.0])
+    assert is_back(dataclasses.replace(recording, mag_uT=recording.mag_uT + near * field), truth)

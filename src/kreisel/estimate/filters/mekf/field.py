@@ -125,7 +125,7 @@ def _young(state: Array, params: Array) -> float:
 
 @kernel
 def _learn(state: Array, params: Array, level: float, up: float, doubt: float) -> None:
-    """The reference is the mean of a first while and then slowly follows; what is doubted counts less from the start."""
+    """The reference is the mean of a first while and then slowly follows; what is doubted counts less."""
     state[at.FIELD_TIME] += state[at.LENGTH]
     k = state[at.LENGTH] / (doubt * min(state[at.FIELD_TIME], params[at.FIELD_MEMORY]))
     state[at.FIELD] += k * (level - state[at.FIELD])

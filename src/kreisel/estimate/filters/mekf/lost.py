@@ -24,7 +24,7 @@ _TILTED, _GATE = 0.35, 5.0
 _TILTED_AT_G, _PUSHED = 0.14, 0.5
 
 # rad: an answer that is known no better than that is none.
-_UNKNOWN = 1.0
+_UNKNOWN = 1.5
 
 # rad: what a mean of the force and a first field leave open.
 _NEW_TILT, _NEW_HEADING = 0.35, 1.0

@@ -15,6 +15,7 @@ from kreisel.maths.vectors import Array, Rows, Vector, added, cross, dot, load, 
 # uT: a hundred Earth's fields and more, beside which nobody looks for north; or a fault.
 _NO_FIELD = 1e4
 
+
 @inlined
 def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, dt: float) -> None:
     """Move `state` over the `dt` seconds that end with these samples."""
