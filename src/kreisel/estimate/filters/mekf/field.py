@@ -11,7 +11,7 @@ from kreisel.maths.vectors import Array, load, scaled
 _LEVEL = 0.06
 
 # By how many spreads a disturbance that norm and dip no longer show may still turn the field.
-_HIDDEN = 3.0
+_HIDDEN = 4.5
 
 # rad: a magnetometer that reads the same to the last bit while it turns by this has died.
 _STUCK = 0.35

@@ -8,9 +8,10 @@ from kreisel.estimate.filters.mekf import layout as at
 from kreisel.maths.kernels import inlined
 from kreisel.maths.vectors import Array, Vector, added, dot, load, store
 
-# rad/s: an axis of the gyro that repeats a rate above the first, or all three one above the second, for this long, s.
+# rad/s: an axis of the gyro that repeats a rate above the first, or all three one above the second, for this long, s,
+# and one axis alone until this angle, rad: a coarse scale repeats where a slow rate is at its peak.
 _FAST, _SLOW = 0.1, 0.02
-_LASTING = 0.1
+_LASTING, _TURNED = 0.1, 0.05
 
 # rad/s: what no bias explains; m/s^2: by which gravity must have moved along an axis that reads the same; m/s^3: the
 # fastest that counts, for fast readings are the same once in a while.
@@ -26,17 +27,18 @@ def _repeats(a: Vector, b: Vector) -> tuple[bool, bool, bool]:
 @inlined
 def unmeasured(state: Array, gyro: Vector, latest: Vector, dt: float) -> float:
     """The seconds for which the gyro turns out not to have measured; all of them once they were enough to tell."""
-    x, y, z = _repeats(gyro, latest)
-    fastest = max(abs(gyro[0]), abs(gyro[1]), abs(gyro[2]))
-    clipped = (x and abs(gyro[0]) > _FAST) or (y and abs(gyro[1]) > _FAST) or (z and abs(gyro[2]) > _FAST)
-    if not (clipped or (x and y and z and fastest > _SLOW)):
+    repeats, fastest, all_three = _repeats(gyro, latest), 0.0, True
+    for i in range(3):
+        fastest = max(fastest, abs(gyro[i])) if repeats[i] else fastest
+        all_three = all_three and repeats[i]
+    if fastest <= (_SLOW if all_three else _FAST):
         state[at.CLIPPED] = 0.0
         return 0.0
-    before = state[at.CLIPPED]
+    before, enough = state[at.CLIPPED], _LASTING if all_three else max(_LASTING, _TURNED / fastest)
     state[at.CLIPPED] = before + dt
-    if state[at.CLIPPED] <= _LASTING:
+    if state[at.CLIPPED] <= enough:
         return 0.0
-    return dt if before > _LASTING else state[at.CLIPPED]
+    return dt if before > enough else state[at.CLIPPED]
 
 
 @inlined
