@@ -25,6 +25,7 @@ from vqf import VQF
 from kreisel import DcmFilter, ImuRecording, Stream, run
 from kreisel.estimate.answers import Columns
 from kreisel.estimate.batch import run_batch
+from kreisel.estimate.filters import AttitudeFilter
 from kreisel.maths.kernels import argument
 from kreisel.maths.rotations import exp_so3
 
@@ -52,9 +53,9 @@ def readings(n: int, seed: int = 1) -> Readings:
     return gyro, accel, mag
 
 
-def stepping(filter: DcmFilter, t: np.ndarray, data: Readings) -> Callable[[], None]:
+def stepping(filter: AttitudeFilter, t: np.ndarray, data: Readings) -> Callable[[], None]:
     """The steps alone, into memory that is there."""
-    out, inputs = Columns.of((len(t),), filter.learns_bias), [argument(x) for x in (t, *data)]
+    out, inputs = Columns.room_for(filter, (len(t),)), [argument(x) for x in (t, *data)]
     return lambda: filter.batch(filter.start(), filter.parameters(), *inputs, out)
 
 
@@ -72,7 +73,7 @@ def abreast(filter: DcmFilter, t: np.ndarray, data: Readings) -> Callable[[], No
     return steps
 
 
-def streaming(filter: DcmFilter, data: Readings) -> Callable[[], None]:
+def streaming(filter: AttitudeFilter, data: Readings) -> Callable[[], None]:
     rows = [list(x[:STREAMED]) for x in data]
 
     def feed() -> None:

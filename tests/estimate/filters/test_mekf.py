@@ -174,3 +174,28 @@ def test_unknown_modes_and_impossible_tuning_are_refused() -> None:
         MekfFilter(span=-1.0)
     with pytest.raises(ValueError, match="tail must be finite"):
         MekfFilter(tail=np.inf)
+
+
+def test_sigma_of_a_vehicle_allows_for_its_accelerations() -> None:
+    """Speeding up and braking at 2 m/s^2 for four seconds at a time tips the answer, and sigma says by how much."""
+    ratios = []
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        t = times(90.0)
+        turn = 0.2 * np.sin(2.0 * np.pi * rng.uniform(0.02, 0.05) * t)
+        recording, truth = turning(t, turn[:, None] * np.array([0.0, 0.0, 1.0]))
+        square = np.sign(np.sin(2.0 * np.pi * t / 8.0 + rng.uniform(0.0, 2.0 * np.pi)))
+        push = 2.0 * np.where(t > 5.0, square, 0.0)
+        accel = recording.accel + push[:, None] * np.array([1.0, 0.0, 0.0])
+        noisy = dataclasses.replace(
+            recording,
+            gyro=recording.gyro + rng.normal(0.0, np.radians(0.1), accel.shape),
+            accel=accel + rng.normal(0.0, 0.05, accel.shape),
+        )
+        history = run(MekfFilter(), noisy)
+        assert history.sigma is not None
+        E = history.R_NS @ truth.transpose(0, 2, 1)
+        tilt = 0.5 * np.stack([E[:, 2, 1] - E[:, 1, 2], E[:, 0, 2] - E[:, 2, 0]], axis=1)
+        ratios.append(np.mean((tilt / history.sigma[:, :2])[3000:] ** 2))
+    # Always the same ten; 1 where sigma is honest, of either sign by a factor of five or less.
+    assert 0.2 < np.mean(ratios) < 3.0

@@ -33,7 +33,7 @@ _FIRST_TILT, _FIRST_HEADING = math.radians(20.0), math.radians(60.0)
 _GIVEN_TILT, _GIVEN_HEADING = math.radians(2.0), math.radians(5.0)
 
 # m/s: velocity before any was seen, and what of it a body keeps in its own axes; m/s/sqrt(Hz): its noise.
-_FIRST_VELOCITY, _FIRST_TRAVEL, _FIRST_ROAMING = 0.5, 1.0, 0.4
+_FIRST_VELOCITY, _FIRST_TRAVEL, _FIRST_ROAMING = 0.5, 1.0, 0.84
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +110,9 @@ class MekfFilter:
         state[at.SIGMA : at.SIGMA + 3] = sigmas[:3]
         state[at.SPREAD] = sigmas[at.D] ** 2
         state[at.MEAN_FORCE + 2] = GRAVITY
-        state[at.ROAMING] = _FIRST_ROAMING**2
+        state[at.MEAN_SQUARE] = GRAVITY**2
+        state[at.EXCESS] = 1.0
+        state[at.ROAMING] = state[at.WANDERING] = _FIRST_ROAMING**2
         return state
 
     def _first_sigmas(self, given: bool) -> list[float]:

@@ -40,7 +40,7 @@ def look_back(log: Array, adjoint: Array, found: Array) -> None:
             found[w, AFTER + i] = error
         for i in range(3):
             found[w, BEFORE + i] = found[w, AFTER + i] + row[at.CORRECTION + ROW + i]
-            found[w, SIGMA + i] = _sigma(P[i], i, whole)
+            found[w, SIGMA + i] = _sigma(P[i], i, whole, row[at.EXCESS + ROW])
         for k in range(int(row[at.OBSERVED + ROW]) - 1, -1, -1):
             place = at.OBSERVATIONS + ROW + k * at.OBSERVATION
             _before_observation(row[place : place + at.OBSERVATION], whole, line, scratch)
@@ -58,7 +58,7 @@ def _forget(adjoint: Array) -> None:
 
 
 @kernel
-def _sigma(row: Array, i: int, whole: Array) -> float:
+def _sigma(row: Array, i: int, whole: Array, excess: float) -> float:
     """Standard deviation of error i, whose row of P is `row`, given all that comes later."""
     spent = 0.0
     for a in range(at.ERRORS):
@@ -66,7 +66,7 @@ def _sigma(row: Array, i: int, whole: Array) -> float:
         for b in range(at.ERRORS):
             inner += whole[a, b] * row[b]
         spent += row[a] * inner
-    return known_to(i, max(row[i] - spent, _ROUND_OFF * row[i]))
+    return known_to(i, max(row[i] - spent, _ROUND_OFF * row[i]), excess)
 
 
 @kernel

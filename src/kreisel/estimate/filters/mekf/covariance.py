@@ -119,9 +119,12 @@ def _add_noise(state: Array, params: Array, P: Array) -> None:
 
 
 @kernel
-def known_to(i: int, variance: float) -> float:
-    """The deviation of attitude error i, with what no error here stands for: an accelerometer's axes and scale."""
-    return math.sqrt(variance + _AXES**2) if i < 2 else math.sqrt(variance)
+def known_to(i: int, variance: float, excess: float) -> float:
+    """The deviation of attitude error i, with what no error here stands for: an accelerometer's axes and scale.
+
+    excess: by how many times the tilt's variance is more than P says.
+    """
+    return math.sqrt(excess * variance + _AXES**2) if i < 2 else math.sqrt(variance)
 
 
 @kernel

@@ -2,7 +2,6 @@
 
 import math
 
-from kreisel.estimate.filters.dcm.field import learn_reference
 from kreisel.estimate.filters.mekf import layout as at
 from kreisel.estimate.filters.mekf.covariance import look, row_of_next, take
 from kreisel.maths.kernels import kernel
@@ -10,6 +9,9 @@ from kreisel.maths.vectors import Array, load, scaled
 
 # rad: an answer whose tilt is known worse than that is still finding its level.
 _LEVEL = 0.06
+
+# By how many spreads a disturbance that norm and dip no longer show may still turn the field.
+_HIDDEN = 4.5
 
 # rad: a magnetometer that reads the same to the last bit while it turns by this has died.
 _STUCK = 0.35
@@ -68,8 +70,7 @@ def observe_field(state: Array, params: Array, P: Array, rest: bool) -> float:
     error = math.atan2(sin_d * north - cos_d * east, cos_d * north + sin_d * east)
     _correct_heading(state, params, P, error, variance, doubt)
     if tilt <= _LEVEL**2 or state[at.FIELD_TIME] == 0.0:
-        reference = state[at.FIELD : at.FIELD_TIME + 1]
-        learn_reference(reference, params[at.FIELD_MEMORY], dt, level, up, 1.0 / doubt)
+        _learn(state, params, level, up, doubt)
     if not rest and tilt <= _LEVEL**2:
         _reconsider(state, params, P, level, up)
     return at.DISTURBED if doubt > 2.0 else 0.0
@@ -123,6 +124,15 @@ def _young(state: Array, params: Array) -> float:
 
 
 @kernel
+def _learn(state: Array, params: Array, level: float, up: float, doubt: float) -> None:
+    """The reference is the mean of a first while and then slowly follows; what is doubted counts less."""
+    state[at.FIELD_TIME] += state[at.LENGTH]
+    k = state[at.LENGTH] / (doubt * min(state[at.FIELD_TIME], params[at.FIELD_MEMORY]))
+    state[at.FIELD] += k * (level - state[at.FIELD])
+    state[at.FIELD + 1] += k * (up - state[at.FIELD + 1])
+
+
+@kernel
 def _begin(state: Array, params: Array, P: Array, level: float, up: float) -> None:
     state[at.FIELD], state[at.FIELD + 1] = level, up
     state[at.CANDIDATE], state[at.CANDIDATE + 1] = level, up
@@ -135,8 +145,10 @@ def _deviation(state: Array, params: Array, level: float, up: float) -> float:
     norm = math.hypot(state[at.FIELD], state[at.FIELD + 1])
     stretched = math.hypot(level, up) - norm
     dipped = norm * (math.atan2(up, level) - math.atan2(state[at.FIELD + 1], state[at.FIELD]))
-    released = state[at.DEVIATION] * math.exp(-state[at.LENGTH] / params[at.FIELD_RELEASE])
-    # What disturbed a moment ago is still near.
+    # What disturbed a moment ago is still near. The larger it was, the less likely do norm and dip both miss it: that
+    # is as the inverse square, so that what may still hide is of one size.
+    hidden = min(state[at.DEVIATION], (_HIDDEN * params[at.FIELD_SPREAD] * norm) ** 2)
+    released = hidden * math.exp(-state[at.LENGTH] / params[at.FIELD_RELEASE])
     state[at.DEVIATION] = max(released, min(0.5 * (stretched**2 + dipped**2), norm**2))
     return state[at.DEVIATION]
 
@@ -157,9 +169,10 @@ def _reconsider(state: Array, params: Array, P: Array, level: float, up: float) 
     state[at.CANDIDATE] += k * a
     state[at.CANDIDATE + 1] += k * b
     state[at.CANDIDATE + 2] += k * (0.5 * (a * a + b * b) - state[at.CANDIDATE + 2])
-    state[at.STEADY] = state[at.STEADY] + state[at.LENGTH] if state[at.CANDIDATE + 2] < room2 else 0.0
     a, b = state[at.CANDIDATE] - state[at.FIELD], state[at.CANDIDATE + 1] - state[at.FIELD + 1]
-    if state[at.STEADY] > _PROOF * params[at.FIELD_MEMORY] and a * a + b * b > 2.0 * room2:
+    is_other = a * a + b * b > 2.0 * room2 / _ROOM**2 and state[at.CANDIDATE + 2] < room2
+    state[at.STEADY] = state[at.STEADY] + state[at.LENGTH] if is_other else 0.0
+    if state[at.STEADY] > _PROOF * params[at.FIELD_MEMORY]:
         state[at.FIELD], state[at.FIELD + 1] = state[at.CANDIDATE], state[at.CANDIDATE + 1]
         P[2, 2] += min(1.0, (a * a + b * b) / (level**2 + 1e-300))
         state[at.DEVIATION] = state[at.STEADY] = 0.0

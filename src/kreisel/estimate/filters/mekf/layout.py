@@ -47,10 +47,15 @@ WAITING = 66  # 4: the stretch before, whose mean is believed once the current o
 SURPRISE = 70  # 2: velocities that surprised, low-passed, m/s
 ROAMING = 72  # squared noise of the velocity as of late, m^2/s^2/Hz
 MEAN_FORCE = 73  # 3: specific force in N, low-passed, m/s^2
-CLIPPED = 76  # s, for which an axis of the gyro has read the same large rate
-NEXT_PART = 77  # s into the window, when TURN is next due
-WINDOWS = 78  # how many have closed
-COVARIANCE = 79  # 27 x 27
+CLIPPED = 76  # s, for which an axis of the gyro has read the same rate
+LATEST_ACCEL = 77  # 3
+UNMOVED = 80  # 3: m/s^2, by which turning must have changed an axis of the accelerometer that reads the same
+JUDGED = 83  # s, for which the noise of the velocity has been learned
+WANDERING = 84  # the same noise as ROAMING, however large
+MEAN_SQUARE = 85  # of the specific force, low-passed, m^2/s^4
+NEXT_PART = 86  # s into the window, when TURN is next due
+WINDOWS = 87  # how many have closed
+COVARIANCE = 88  # 27 x 27
 CORRECTION = COVARIANCE + ERRORS**2  # 27: errors found in the latest window
 
 # How the latest window moved the errors, for whoever looks back.
@@ -59,7 +64,8 @@ CHANGE_FORCE = CHANGE + 3 * CONSTANTS  # s, for which the force was summed
 CHANGE_LENGTH = CHANGE_FORCE + 1  # s, all of it
 CHANGE_KEPT = CHANGE_LENGTH + 1  # 3: share that is kept of U, of D and of S
 CHANGE_LAG = CHANGE_KEPT + 3  # 2: what a lag of one second pushes by, m/s
-OBSERVED = CHANGE_LAG + 2  # how many observations the window made, of those below
+EXCESS = CHANGE_LAG + 2  # 1: what the variance of the tilt is more than P says
+OBSERVED = EXCESS + 1  # how many observations the window made, of those below
 OBSERVATIONS = (
     OBSERVED + 1
 )  # 6 times: row of the observation, its covariance with all errors, surprise, variance

@@ -19,8 +19,12 @@ _TIME = 6.0
 # well.
 _TILTED, _GATE = 0.35, 5.0
 
+# rad: the same where the force is no more than gravity, so that none made it: 1.4 m/s^2 sideways would add 0.1 m/s^2,
+# three times what an accelerometer's bias may be. The share of it that tells a push.
+_TILTED_AT_G, _PUSHED = 0.14, 0.5
+
 # rad: an answer that is known no better than that is none.
-_UNKNOWN = 1.0
+_UNKNOWN = 1.5
 
 # rad: what a mean of the force and a first field leave open.
 _NEW_TILT, _NEW_HEADING = 0.35, 1.0
@@ -39,9 +43,15 @@ def is_lost(state: Array, P: Array) -> bool:
         for i in range(3):
             mean = state[at.FORCE_SUM + i] / seconds
             state[at.MEAN_FORCE + i] += k * (mean - state[at.MEAN_FORCE + i])
+        square = state[at.ACCEL_SQUARES] / seconds
+        state[at.MEAN_SQUARE] += k * (square - state[at.MEAN_SQUARE])
     east, north, up = load(state, at.MEAN_FORCE)
-    tilted = math.atan2(math.hypot(east, north), up)
-    return tilt2 > _UNKNOWN**2 or (tilted > _TILTED and tilted > _GATE * math.sqrt(tilt2))
+    sideways = math.hypot(east, north)
+    tilted = math.atan2(sideways, up)
+    # What pushes sideways adds its square to that of gravity; a tilt does not.
+    is_push = state[at.MEAN_SQUARE] > GRAVITY**2 + _PUSHED * sideways**2
+    least = _TILTED if is_push else _TILTED_AT_G
+    return tilt2 > _UNKNOWN**2 or (tilted > least and tilted > _GATE * math.sqrt(tilt2))
 
 
 @kernel
@@ -70,6 +80,7 @@ def begin_again(state: Array, P: Array) -> None:
         P[i, i] += _NEW_SCALE**2
     state[at.TURNED] = state[at.SPAN] = state[at.CONTRARY] = 0.0
     store(state, at.MEAN_FORCE, (0.0, 0.0, GRAVITY))
+    state[at.MEAN_SQUARE] = GRAVITY**2
 
 
 @kernel

@@ -7,25 +7,13 @@ from kreisel.estimate.answers import Columns, tell
 from kreisel.estimate.filters.dcm.start import UNSEEN, bridge, is_rate, start
 from kreisel.estimate.filters.dcm.step import NO_FORCE, corrected, turned
 from kreisel.estimate.filters.mekf import layout as at
+from kreisel.estimate.filters.mekf.repeated import is_dead, is_steady, unmeasured
 from kreisel.estimate.filters.mekf.window import close_part
 from kreisel.maths.kernels import inlined, kernel
 from kreisel.maths.vectors import Array, Rows, Vector, added, cross, dot, load, norm, scaled, store
 
 # uT: a hundred Earth's fields and more, beside which nobody looks for north; or a fault.
 _NO_FIELD = 1e4
-
-# rad/s: a rate that is the same to the last bit and larger than that is where a gyro's range ends, once it has lasted
-# this long, s.
-_FAST = 0.5
-_CLIPPED = 0.05
-
-
-@inlined
-def _is_clipped(gyro: Vector, latest: Vector) -> bool:
-    """Whether any axis reads the same large rate as the sample before."""
-    x = gyro[0] == latest[0] and abs(gyro[0]) > _FAST
-    y = gyro[1] == latest[1] and abs(gyro[1]) > _FAST
-    return x or y or (gyro[2] == latest[2] and abs(gyro[2]) > _FAST)
 
 
 @inlined
@@ -36,10 +24,10 @@ def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, 
         return
     state[at.FLAGS] = state[at.CALM]
     latest = load(state, at.RATE)
+    steady = is_steady(state, gyro, latest, accel, mag)
     if is_rate(gyro):
         state[at.GAP] = 0.0
-        state[at.CLIPPED] = state[at.CLIPPED] + dt if _is_clipped(gyro, latest) else 0.0
-        state[at.MISSING] += UNSEEN * dt if state[at.CLIPPED] > _CLIPPED else 0.0
+        state[at.MISSING] += UNSEEN * unmeasured(state, gyro, latest, steady, dt)
         store(state, at.RATE, gyro)
     else:
         gyro = bridge(state, params, dt)
@@ -57,24 +45,26 @@ def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, 
     state[at.LENGTH] += dt
     store(state, at.GYRO_SUM, added(load(state, at.GYRO_SUM), 1.0, turn))
     state[at.GYRO_SQUARES] += dt * dot(gyro, gyro)
-    _sum_force(state, rows, gyro, accel, dt)
+    _sum_force(state, rows, gyro, accel, steady, dt)
     _sum_field(state, rows, gyro, mag, dt)
     if state[at.LENGTH] > state[at.NEXT_PART]:
         close_part(state, params)
 
 
 @inlined
-def _sum_force(state: Array, rows: Rows, gyro: Vector, accel: Vector, dt: float) -> None:
+def _sum_force(state: Array, rows: Rows, gyro: Vector, accel: Vector, steady: bool, dt: float) -> None:
     a2 = dot(accel, accel)
     # A dead sensor's zero and NaN fail here too.
     if not 0.0 < a2 < NO_FORCE**2:
+        return
+    pushed = cross(gyro, accel)
+    if is_dead(state, gyro, accel, pushed, steady, dt):
         return
     east, north, up = rows
     force = dot(east, accel), dot(north, accel), dot(up, accel)
     store(state, at.FORCE_SUM, added(load(state, at.FORCE_SUM), dt, force))
     store(state, at.ACCEL_SUM, added(load(state, at.ACCEL_SUM), dt, accel))
     state[at.ACCEL_SQUARES] += dt * a2
-    pushed = cross(gyro, accel)
     state[at.LAG_SUM] += dt * dot(east, pushed)
     state[at.LAG_SUM + 1] += dt * dot(north, pushed)
     state[at.ACCEL_TIME] += dt

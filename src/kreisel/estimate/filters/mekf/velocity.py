@@ -21,6 +21,9 @@ _REST_NOISE = 0.02
 # s: surprises are averaged over this time, for noise that is faster does not tilt; and judged over that.
 _SLOW, _JUDGED = 2.0, 15.0
 
+# s, for which what is known of the noise before counts.
+_BEFORE = 3.0
+
 
 @kernel
 def observe_velocity(state: Array, params: Array, P: Array, rest: bool) -> None:
@@ -46,8 +49,11 @@ def observe_velocity(state: Array, params: Array, P: Array, rest: bool) -> None:
 def _noise2(state: Array, params: Array) -> float:
     """Squared noise of the velocity, as the last seconds and, if that is more, the last two show it."""
     now = _SLOW * (state[at.SURPRISE] ** 2 + state[at.SURPRISE + 1] ** 2)
-    noise2 = max(state[at.ROAMING], 0.25 * now)
-    return min(max(noise2, params[at.VELOCITY_NOISE] ** 2), params[at.VELOCITY_NOISE + 1] ** 2)
+    noise2 = max(state[at.ROAMING], 0.25 * now, params[at.VELOCITY_NOISE] ** 2)
+    noise2 = min(noise2, params[at.VELOCITY_NOISE + 1] ** 2)
+    # About half of the tilt's variance is that of the velocity, and grows with what its noise is in fact.
+    state[at.EXCESS] = max(1.0, 0.5 + 0.5 * state[at.WANDERING] / noise2)
+    return noise2
 
 
 @kernel
@@ -61,8 +67,13 @@ def _judge(state: Array, params: Array, seconds: float) -> None:
         state[at.SURPRISE + i] += k * (surprise - state[at.SURPRISE + i])
         # White noise of density N^2 has the variance N^2 / (2 time constant) after a low-pass of first order.
         now += _SLOW * state[at.SURPRISE + i] ** 2
+    state[at.JUDGED] = min(state[at.JUDGED] + seconds, _JUDGED)
+    # The low-pass began with nothing.
+    now /= 1.0 - math.exp(-2.0 * state[at.JUDGED] / _SLOW)
+    k = 1.0 - math.exp(-seconds / min(state[at.JUDGED] + _BEFORE, _JUDGED))
+    state[at.WANDERING] += k * (now - state[at.WANDERING])
     now = min(now, params[at.VELOCITY_NOISE + 1] ** 2)
-    state[at.ROAMING] += (1.0 - math.exp(-seconds / _JUDGED)) * (now - state[at.ROAMING])
+    state[at.ROAMING] += k * (now - state[at.ROAMING])
 
 
 @kernel

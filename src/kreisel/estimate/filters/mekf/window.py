@@ -58,7 +58,7 @@ def _look_after(state: Array, params: Array) -> None:
         state[at.CHANGE_FORCE] = at.NOTHING
         state[at.OBSERVED] = 0.0
     for i in range(3):
-        state[at.SIGMA + i] = known_to(i, P[i, i])
+        state[at.SIGMA + i] = known_to(i, P[i, i], state[at.EXCESS])
 
 
 @kernel
