@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from kreisel import Ensemble
+from kreisel import Ensemble, Scenario, monte_carlo
 from kreisel.cli.main import main
 
 TEXT = """
@@ -79,3 +79,67 @@ def test_a_path_that_the_file_has_wrong_is_the_files_mistake(scenario, tmp_path,
     scenario.write_text(TEXT + "[vary]\n'trajectory.perod' = { uniform = [3, 5] }\n")
     assert main(["montecarlo", str(scenario), "-o", str(tmp_path / "out")]) == 1
     assert "did you mean 'period'" in capsys.readouterr().err
+
+
+def interrupted(scenario, folder, runs):
+    """The finished blocks of a study that somebody stopped after the first."""
+
+    def stop(done):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        monte_carlo(Scenario.load(scenario), runs, threads=1, folder=folder, on_done=stop)
+
+
+def test_an_interrupted_study_goes_on_with_the_same_bits(scenario, tmp_path, capsys):
+    whole, halves = tmp_path / "whole", tmp_path / "halves"
+    command = ["montecarlo", str(scenario), "--runs", "200", "--no-pictures", "-o"]
+    assert main([*command, str(whole)]) == 0
+    interrupted(scenario, halves / "blocks", 200)
+    assert main([*command, str(halves)]) == 1
+    assert "--resume" in capsys.readouterr().err
+    assert main([*command, str(halves), "--resume"]) == 0
+    assert (halves / "ensemble.npz").read_bytes() == (whole / "ensemble.npz").read_bytes()
+    assert not (halves / "blocks").exists()
+
+
+def test_blocks_of_another_study_are_refused_with_the_difference(scenario, tmp_path, capsys):
+    out = tmp_path / "out"
+    interrupted(scenario, out / "blocks", 200)
+    command = ["montecarlo", str(scenario), "-o", str(out), "--resume", "--runs"]
+    assert main([*command, "100"]) == 1
+    told = capsys.readouterr().err
+    assert "runs is 200 there and 100 here" in told
+    scenario.write_text(TEXT.replace("4.0", "5.0"))
+    assert main([*command, "200"]) == 1
+    told = capsys.readouterr().err
+    assert "period is 4.0 there and 5.0 here" in told
+
+
+def test_a_file_that_changed_is_another_study(tmp_path, capsys):
+    rows = [f"{0.02 * k},{0.1 * k},0,0" for k in range(101)]
+    (tmp_path / "p.csv").write_text("\n".join(["t,x,y,z", *rows]))
+    scenario = tmp_path / "s.toml"
+    scenario.write_text(
+        'trajectory = { kind = "file", path = "p.csv", orientation = "tangent" }\n'
+        'imu = { sensor = "bmi088" }\nfilter = { kind = "dcm" }\n'
+    )
+    interrupted(scenario, tmp_path / "out/blocks", 100)
+    (tmp_path / "p.csv").write_text("\n".join(["t,x,y,z", *rows[:-1]]))
+    assert main(["montecarlo", str(scenario), "--runs", "100", "-o", str(tmp_path / "out"), "--resume"]) == 1
+    assert "p.csv" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("backend", ["dusk", "127.0.0.1:8786"])
+def test_a_backend_that_is_none_is_a_mistake_of_the_command(scenario, tmp_path, backend, capsys):
+    assert main(["montecarlo", str(scenario), "-o", str(tmp_path / "out"), "--backend", backend]) == 2
+    assert "--backend" in capsys.readouterr().err
+
+
+def test_dask_workers_give_the_same_bits(scenario, tmp_path):
+    pytest.importorskip("distributed", reason="clusters need dask: pip install 'kreisel[cluster]'")
+    command = ["montecarlo", str(scenario), "--runs", "64", "--no-pictures", "-o"]
+    assert main([*command, str(tmp_path / "here")]) == 0
+    assert main([*command, str(tmp_path / "there"), "--backend", "dask"]) == 0
+    here, there = (tmp_path / name / "ensemble.npz" for name in ("here", "there"))
+    assert here.read_bytes() == there.read_bytes()

@@ -138,6 +138,12 @@ def test_a_trajectory_of_functions_has_many_runs_too():
     assert ensemble.estimates[0].figures["total_rmse_deg"][3] == once.total_rmse_deg
 
 
+def test_a_trajectory_of_functions_keeps_no_checkpoints(tmp_path):
+    moving = FunctionTrajectory((np.cos, np.sin, 0.0), span=(0.0, 3.0))
+    with pytest.raises(ValueError, match="FunctionTrajectory cannot be written"):
+        monte_carlo(replace(PLAIN, trajectory=moving), 4, folder=tmp_path)
+
+
 def test_progress_counts_runs():
     seen = []
     monte_carlo(PLAIN, 40, on_done=seen.append)

@@ -111,8 +111,12 @@ def _quantiles(traces: Any) -> dict[str, Array]:
 
 
 def fingerprint(work: Work) -> dict[str, Any]:
-    """What decides every bit of the blocks of `work`: the scenario, what the files it names hold, how runs are cut."""
+    """What decides every bit of the blocks of `work`: the scenario, what the files it names hold, how runs are cut.
+
+    Raises ValueError for a trajectory of functions, of which nothing tells whether it is the same one.
+    """
     scenario = work.scenario
+    scenario.to_toml()
     table = described(scenario)
     files = {
         text: blake2b((scenario.folder / text).read_bytes(), digest_size=16).hexdigest()

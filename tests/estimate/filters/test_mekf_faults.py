@@ -125,7 +125,7 @@ def test_a_steady_turn_without_noise_is_no_fault(mode: str) -> None:
     # A helix at 90 deg/s: gyro and accelerometer read the same for ever, 2.5 m/s^2 of it inwards.
     t, w = np.arange(6000) / FS, np.pi / 2
     recording, truth = turning(t, np.tile([0.0, 0.0, w], (len(t), 1)))
-    accel = recording.accel + [-(w**2), 0.0, 0.0]
+    accel = recording.accel + np.array([-(w**2), 0.0, 0.0])
     history = run(MekfFilter(mode=mode), dataclasses.replace(recording, accel=accel))
     # It starts atan(2.47 / 9.81) = 14 deg askew; a turn every 4 s averages that out.
     assert angles_deg(history.R_NS, truth)[2][3000:].max() < 3.0

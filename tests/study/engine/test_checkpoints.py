@@ -127,7 +127,7 @@ def test_another_version_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 def test_finished_blocks_are_never_passed_over_in_silence(tmp_path: Path) -> None:
     begun(tmp_path)
-    with pytest.raises(ValueError, match="finished blocks of this very study: go on with them by resume"):
+    with pytest.raises(ValueError, match="finished blocks of this very study: resume=True"):
         run_blocks(work, 12, fingerprint=STUDY, folder=tmp_path)
 
 

@@ -54,8 +54,8 @@ class Checkpoints:
             _refuse_others(folder, ours)
             if not resume:
                 raise ValueError(
-                    f"{folder} has finished blocks of this very study: go on with them by resume, or choose another "
-                    "folder."
+                    f"{folder} has finished blocks of this very study: resume=True (--resume) goes on "
+                    "with them. Or choose another folder."
                 )
         else:
             with replacing(folder / STUDY) as out:
