@@ -98,6 +98,12 @@ def read_content_blocks(
     return read_blocks(place, format, **options) if is_long(place) else iter([read(place, format, **options)])
 
 
+def in_any_folder(args: Namespace) -> Namespace:
+    """The arguments for workers, which have a working folder of their own: --times by its absolute name."""
+    times = None if args.times is None else str(Path(args.times).absolute())
+    return Namespace(**{**vars(args), "times": times})
+
+
 def _asked(args: Namespace, path: str | None, kind: str | None) -> tuple[Path, str | None, dict[str, Any]]:
     options = {
         "kind": kind or args.kind,
