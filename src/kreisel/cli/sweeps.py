@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 import warnings
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Generic, cast
+from typing import Generic, TypeVar, cast
 
 from kreisel.cli.batch import Batch, Made, over_files, shortened
 from kreisel.cli.memory import available, share_of_memory
@@ -18,6 +18,8 @@ from kreisel.cli.progress import Progress
 from kreisel.cli.values import UsageError, as_typed, typed, whole
 
 _ADDRESS = re.compile(r"[a-z]+://.+:\d+")
+
+Block = TypeVar("Block")
 
 Job = Callable[[str, Path | None], Made]
 """What is done with a file: its name, and that of its output if there is one."""
@@ -104,6 +106,13 @@ def over_many_files(
         # Also what was found until somebody interrupted it.
         batch = _in_order(list(outputs), made)
     return batch
+
+
+def into_folder(blocks: Iterable[Block], folder: Path) -> Iterator[Block]:
+    """The same blocks; the folder they go into is made when the first is there, so that a bad file leaves none."""
+    for block in blocks:
+        folder.mkdir(parents=True, exist_ok=True)
+        yield block
 
 
 @dataclass(frozen=True, slots=True)

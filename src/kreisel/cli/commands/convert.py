@@ -13,7 +13,7 @@ from kreisel.cli.batch import derived, expanded, shortened
 from kreisel.cli.inputs import add_input_arguments, in_any_folder, read_content_blocks, world
 from kreisel.cli.outputs import check_format, summary_stream
 from kreisel.cli.reports import add_report_arguments, described_by, print_json, tell_plan
-from kreisel.cli.sweeps import add_sweep_arguments, left_to_do, over_many_files, told_of_skipped
+from kreisel.cli.sweeps import add_sweep_arguments, into_folder, left_to_do, over_many_files, told_of_skipped
 from kreisel.cli.values import UsageError, one_of
 from kreisel.data.frames import WORLDS, from_enu_flu, to_enu_flu
 from kreisel.data.trial import Trial
@@ -100,8 +100,8 @@ class _Conversion:
         if self.args.dry_run:
             deque(blocks, maxlen=0)
         else:
-            if output != self.place:
-                output.parent.mkdir(parents=True, exist_ok=True)
+            # Of OUT itself the folder has to be there.
+            blocks = blocks if output == self.place else into_folder(blocks, output.parent)
             write_blocks(output, blocks, self.args.to)
         return {"what": found.described, "rows": found.rows, "span_s": found.span}
 

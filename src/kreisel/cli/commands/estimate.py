@@ -22,7 +22,7 @@ from kreisel.cli.inputs import (
 )
 from kreisel.cli.outputs import check_format, summary_stream
 from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
-from kreisel.cli.sweeps import add_sweep_arguments, left_to_do, over_many_files, told_of_skipped
+from kreisel.cli.sweeps import add_sweep_arguments, into_folder, left_to_do, over_many_files, told_of_skipped
 from kreisel.cli.values import UsageError, one_of
 from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.facts import Units
@@ -126,10 +126,11 @@ class _Estimation:
         if args.picture is not None:
             attitudes = iter([_drawn(attitudes, args.picture)])
         if output is not None:
-            if output != Path(args.output):
-                output.parent.mkdir(parents=True, exist_ok=True)
             to_frame = args.to_frame or args.frame
-            write_blocks(output, (from_enu_flu(block, to_frame) for block in attitudes), args.to)
+            turned = (from_enu_flu(block, to_frame) for block in attitudes)
+            # Of OUT itself the folder has to be there.
+            alone = output == Path(args.output)
+            write_blocks(output, turned if alone else into_folder(turned, output.parent), args.to)
         else:
             deque(attitudes, maxlen=0)
         return found.summary()
