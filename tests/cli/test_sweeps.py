@@ -119,6 +119,8 @@ def test_resume_does_what_is_missing_or_older(
     assert [file["file"].split("/")[1] for file in report["files"]] == ["run3", "run4", "run5"]
     after = Path("out/run1/imu.npz").stat()
     assert (kept.st_ino, kept.st_mtime_ns) == (after.st_ino, after.st_mtime_ns)
+    code, report, told, _ = swept(capsys, "--resume")
+    assert code == 1 and report["files"] == [] and len(report["failed"]) == len(told) == 1
     Path("rec/run2/imu.csv").unlink()
     assert main(["estimate", "rec/**/*.csv", "-o", "out/", "--to", "npz", "--resume"]) == 0
     assert capsys.readouterr().out == "left out: 4 whose output is newer (--resume)\n"

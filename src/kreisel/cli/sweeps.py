@@ -83,9 +83,9 @@ def over_many_files(
     """What `job` makes of each file and its output, as `over_files` has it, with --threads and --backend.
 
     job : picklable, and safe in threads. What it notes is said at the end, as are bad files, in the order of the files.
-    One file alone is done in this thread: it may be a pipe.
+    One file alone is done in this thread: it may be a pipe. The last one that --resume leaves is one of many.
     """
-    if len(outputs) == 1:
+    if len(outputs) == 1 and not args.resume:
         return over_files(list(outputs), lambda path: job(path, outputs[path]), label)
     from kreisel.study.engine import spread_out
     from kreisel.study.engine.threads import usable_cores
