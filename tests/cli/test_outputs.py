@@ -122,8 +122,11 @@ def test_patterns_find_files_in_folders_too(here) -> None:
 def test_no_two_inputs_go_to_one_output(here) -> None:
     assert derived(["x/a.bag", "x/b.bag"], "out/", ".csv") == [Path("out/a.csv"), Path("out/b.csv")]
     assert derived(["x/a.bag"], "out.csv", ".csv") == [Path("out.csv")]
+    assert derived(["x/y/a.bag", "x/a.bag"], "out/", ".csv") == [Path("out/y/a.csv"), Path("out/a.csv")]
+    assert derived(["../x/a.bag", "a.bag"], "out/", "")[0].parts[:1] == ("out",)
+    assert ".." not in str(derived(["../x/a.bag", "a.bag"], "out/", ""))
     for paths, output, said in (
-        (["x/a.bag", "y/A.bag"], "out/", "two inputs would be written to out"),
+        (["x/a.bag", "x/A.bag"], "out/", "two inputs would be written to out"),
         (["rec/a.csv", "rec/b.csv"], "rec", "is the input itself"),
         (["rec/a.csv", "rec/b.csv"], "poses.npz", "must be a folder for 2 inputs"),
     ):

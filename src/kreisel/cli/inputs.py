@@ -98,6 +98,14 @@ def read_content_blocks(
     return read_blocks(place, format, **options) if is_long(place) else iter([read(place, format, **options)])
 
 
+def in_any_folder(args: Namespace) -> Namespace:
+    """The arguments for workers, which have a working folder of their own: --times and --picture by absolute names."""
+    if args.backend is None:
+        return args
+    named = {name: path for name in ("times", "picture") if (path := getattr(args, name, None)) is not None}
+    return Namespace(**vars(args) | {name: str(Path(path).absolute()) for name, path in named.items()})
+
+
 def _asked(args: Namespace, path: str | None, kind: str | None) -> tuple[Path, str | None, dict[str, Any]]:
     options = {
         "kind": kind or args.kind,

@@ -12,16 +12,13 @@ import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
-from typing import Any, NoReturn, TextIO
+from typing import Any, NoReturn
 
 from kreisel import __version__, discovery
-from kreisel.cli.notes import complain, is_quiet, note, quiet, sentence
+from kreisel.cli.notes import complain, quiet, sentence, warnings_as_notes
 from kreisel.cli.values import UsageError
 
 COMMANDS = "kreisel.cli.commands"
-
-_PACKAGE = Path(__file__).resolve().parents[1]
 
 _EPILOG = """\
 try it:
@@ -155,22 +152,7 @@ def _run(args: argparse.Namespace) -> int:
 def _notes_in_one_line() -> Iterator[None]:
     """Inside, a warning of ours is one line on stderr; those of others keep the form they have in Python."""
     with warnings.catch_warnings():
-        usual = warnings.showwarning
-
-        def show(
-            message: Warning | str,
-            category: type[Warning],
-            filename: str,
-            lineno: int,
-            file: TextIO | None = None,
-            line: str | None = None,
-        ) -> None:
-            if Path(filename).is_relative_to(_PACKAGE):
-                note(str(message))
-            elif not is_quiet():
-                usual(message, category, filename, lineno, file, line)
-
-        warnings.showwarning = show
+        warnings.showwarning = warnings_as_notes(warnings.showwarning)
         yield
 
 

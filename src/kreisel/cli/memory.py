@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from pathlib import Path
 
 # Measured: at its peak `estimate` holds 5 to 9 times the bytes of a csv file or plain archive; one that is compressed
@@ -12,10 +14,23 @@ _TIMES = 16
 
 _CGROUPS = (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"))
 
+_share: ContextVar[float | None] = ContextVar("share", default=None)
+
 
 def is_long(path: Path) -> bool:
     """Whether a file is to be read in blocks."""
-    return path.is_file() and _TIMES * path.stat().st_size > available()
+    share = _share.get()
+    return path.is_file() and _TIMES * path.stat().st_size > (available() if share is None else share)
+
+
+@contextmanager
+def share_of_memory(size: float) -> Iterator[None]:
+    """Inside, and in this thread, what is longer than `size` bytes have room for is long: others take the rest."""
+    token = _share.set(size)
+    try:
+        yield
+    finally:
+        _share.reset(token)
 
 
 def available() -> float:

@@ -8,6 +8,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kreisel.cli.batch import shortened
+
 if TYPE_CHECKING:
     from kreisel.files.formats import Content
 
@@ -48,7 +50,11 @@ def tell_plan(args: Namespace, reads: Mapping[str, str], writes: Iterable[str | 
     if args.json:
         print_json({"schema": PLAN_SCHEMA, "command": args.command, "reads": reads, "writes": files})
         return 0
-    print("\n".join(f"sound: {path}: {what}" for path, what in reads.items()))
+    sound = [f"sound: {path}: {what}" for path, what in reads.items()]
     new = [f"would {'replace' if Path(path).exists() else 'write'}: {path}" for path in files]
-    print("\n".join([*new, "dry run: nothing written"]))
+    print(
+        "\n".join(
+            [*shortened(sound, "that are sound"), *shortened(new, "to write"), "dry run: nothing written"]
+        )
+    )
     return 0

@@ -105,10 +105,11 @@ def run(args: Namespace) -> int:
 
     batch = over_files(paths, one, "reading" if args.dry_run else "fitting the noise")
     if args.dry_run:
-        made = [f for report in batch.done if folders for f in _files_of(folders[report["file"]], sensors)]
-        tell_plan(args, {report["file"]: report["what"] for report in batch.done}, made)
+        made = [f for path in batch.done if folders for f in _files_of(folders[path], sensors)]
+        tell_plan(args, {path: report["what"] for path, report in batch.done.items()}, made)
     elif args.json:
-        one_alone = batch.done[0] if len(paths) == 1 else {"files": batch.done, "failed": batch.failed}
+        files = list(batch.done.values())
+        one_alone = files[0] if len(paths) == 1 else {"files": files, "failed": batch.failed}
         print_json({"schema": SCHEMA, **one_alone})
     return batch.code
 

@@ -5,13 +5,15 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from collections import deque
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from kreisel.cli.batch import derived, expanded, over_files
-from kreisel.cli.inputs import add_input_arguments, read_content_blocks, world
+from kreisel.cli.batch import derived, expanded, shortened
+from kreisel.cli.inputs import add_input_arguments, in_any_folder, read_content_blocks, world
 from kreisel.cli.outputs import check_format, summary_stream
 from kreisel.cli.reports import add_report_arguments, described_by, print_json, tell_plan
+from kreisel.cli.sweeps import add_sweep_arguments, into_folder, left_to_do, over_many_files, told_of_skipped
 from kreisel.cli.values import UsageError, one_of
 from kreisel.data.frames import WORLDS, from_enu_flu, to_enu_flu
 from kreisel.data.trial import Trial
@@ -28,7 +30,7 @@ examples:
   kreisel convert flight.csv flight.tum
   kreisel convert log.txt imu.csv --frame ned-frd
   kreisel convert flight.bag flight.mcap --topic /imu/data
-  kreisel convert 'rec/**/*.bag' -o out/ --to csv
+  kreisel convert 'rec/**/*.bag' -o out/ --to csv          on all cores; docs/cluster.md
   kreisel convert mocap.csv poses.csv --column t='Time [ms]' --column p_x='X [mm]' \\
       --column p_y='Y [mm]' --column p_z='Z [mm]'
   kreisel convert 00.txt 00.tum --from kitti --times times.txt
@@ -57,6 +59,7 @@ def configure(parser: ArgumentParser) -> None:
         type=world,
         help=f"world of the output: {', '.join(WORLDS)} (default: enu-flu)",
     )
+    add_sweep_arguments(parser)
     add_report_arguments(parser, dry_run=True)
     parser.epilog = _EXAMPLES
 
@@ -64,34 +67,46 @@ def configure(parser: ArgumentParser) -> None:
 def run(args: Namespace) -> int:
     """Read, turn, write."""
     place, places = _places(args)
-
-    def one(path: str) -> dict[str, Any]:
-        found, output = _Found(), places[path]
-        blocks = found.of(_turned(args, path))
-        if args.dry_run:
-            deque(blocks, maxlen=0)
-        else:
-            if output != place:
-                output.parent.mkdir(parents=True, exist_ok=True)
-            write_blocks(output, blocks, args.to)
-        told = {"rows": found.rows, "span_s": found.span}
-        return {"file": path, "output": str(output), "what": found.described, **told}
-
-    batch = over_files(list(places), one, "reading" if args.dry_run else "converting")
+    left = left_to_do(args, places)
+    job = _Conversion(in_any_folder(args), place)
+    batch = over_many_files(args, left, job, "reading" if args.dry_run else "converting")
+    outputs = {path: str(places[path]) for path in batch.done}
     if args.dry_run:
-        tell_plan(args, {f["file"]: f["what"] for f in batch.done}, [f["output"] for f in batch.done])
-    elif args.json:
-        print_json({"schema": SCHEMA, "files": batch.done, "failed": batch.failed})
+        tell_plan(args, {path: made["what"] for path, made in batch.done.items()}, outputs.values())
+        return batch.code
+    files = [{"file": path, "output": outputs[path], **made} for path, made in batch.done.items()]
+    skipped = [path for path in places if path not in left]
+    if args.json:
+        print_json({"schema": SCHEMA, "files": files, "failed": batch.failed, "skipped": skipped})
     else:
-        for f in batch.done:
-            print(
-                f"{f['output']}: {f['rows']} rows over {f['span_s']:.6g} s",
-                file=summary_stream(f["output"]),
-            )
+        lines = [f"{f['output']}: {f['rows']} rows over {f['span_s']:.6g} s" for f in files]
+        rest = f"files, {sum(f['rows'] for f in files)} rows in all"
+        for line in [*shortened(lines, rest), *told_of_skipped(skipped)]:
+            print(line, file=summary_stream(str(place)))
     return batch.code
 
 
-def _places(args: Namespace) -> tuple[Path, dict[str, Path]]:
+@dataclass(frozen=True, slots=True)
+class _Conversion:
+    """What is done with each file."""
+
+    args: Namespace
+    place: Path  # OUT
+
+    def __call__(self, path: str, output: Path | None) -> dict[str, Any]:
+        assert output is not None  # every file goes somewhere
+        found = _Found()
+        blocks = found.of(_turned(self.args, path))
+        if self.args.dry_run:
+            deque(blocks, maxlen=0)
+        else:
+            # Of OUT itself the folder has to be there.
+            blocks = blocks if output == self.place else into_folder(blocks, output.parent)
+            write_blocks(output, blocks, self.args.to)
+        return {"what": found.described, "rows": found.rows, "span_s": found.span}
+
+
+def _places(args: Namespace) -> tuple[Path, dict[str, Path | None]]:
     """OUT, and where each input goes; as with cp the last name is OUT where -o names none."""
     given, output = args.input, args.output
     if output is None:

@@ -5,28 +5,29 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from kreisel.cli.batch import derived, expanded, over_files
+from kreisel.cli.batch import derived, expanded
+from kreisel.cli.estimates import Found, table_of
 from kreisel.cli.filters import add_filter_arguments, chosen_filter, tuning_help
 from kreisel.cli.inputs import (
     add_input_arguments,
     check_units_of,
+    in_any_folder,
     read_content,
     read_content_blocks,
     world,
 )
 from kreisel.cli.outputs import check_format, summary_stream
-from kreisel.cli.reports import add_report_arguments, described_by, print_json, tell_plan
+from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
+from kreisel.cli.sweeps import add_sweep_arguments, into_folder, left_to_do, over_many_files, told_of_skipped
 from kreisel.cli.values import UsageError, one_of
 from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.facts import Units
 from kreisel.data.frames import from_enu_flu, to_enu_flu
 from kreisel.data.increments import ImuIncrements
-from kreisel.data.median import RunningMedian
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trial import Trial
 from kreisel.files.blocks import write_blocks
@@ -44,7 +45,8 @@ examples:
   kreisel estimate imu.csv -o attitude.csv --filter mekf --smooth
   kreisel estimate log.csv --frame ned-frd --declination-deg 3.5 --set mag_time=30
   kreisel estimate trial.mat --set published.weight_accel=0.02 --set published.exact=true
-  kreisel estimate 'recordings/*.csv' -o attitudes/ --to npz
+  kreisel estimate 'recordings/**/*.csv' -o attitudes/ --to npz           on all cores; --backend: docs/cluster.md
+  kreisel estimate 'recordings/**/*.csv' -o attitudes/ --to npz --resume  the rest, after an interruption
 
 Without -o the summary is all that is made. TUM files hold the attitude alone; csv, npz and mat also gyro bias,
 acceleration and flags. What the filter assumes of the sensors is in its tuning: --set help lists it.
@@ -75,6 +77,7 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--picture", metavar="PICTURE", help="draw the attitude: .png, .svg or .pdf; one input"
     )
+    add_sweep_arguments(parser)
     add_report_arguments(parser, dry_run=True)
     parser.epilog = _EXAMPLES
 
@@ -86,43 +89,67 @@ def run(args: Namespace) -> int:
         return 0
     estimated, paths = _estimator(args), expanded(args.input)
     outputs = dict(zip(paths, _outputs(args, paths), strict=True))
+    left = left_to_do(args, outputs)
     if args.dry_run:
-        return _plan(args, outputs)
-
-    def one(path: str) -> dict[str, Any]:
-        found, output = _Found(), outputs[path]
-        attitudes = found.of(estimated(_recordings(args, path, found)))
-        if args.picture is not None:
-            attitudes = iter([_drawn(attitudes, args.picture)])
-        if output is not None:
-            if output != Path(args.output):
-                output.parent.mkdir(parents=True, exist_ok=True)
-            to_frame = args.to_frame or args.frame
-            write_blocks(output, (from_enu_flu(block, to_frame) for block in attitudes), args.to)
-        else:
-            deque(attitudes, maxlen=0)
-        return found.summary(path, output)
-
-    batch = over_files(paths, one, "smoothing" if args.smooth else "estimating")
+        return _plan(args, left)
+    job = _Estimation(in_any_folder(args), estimated)
+    batch = over_many_files(args, left, job, "smoothing" if args.smooth else "estimating")
+    files = [{"file": path, "output": _name(outputs[path]), **made} for path, made in batch.done.items()]
+    skipped = [path for path in outputs if path not in left]
     if args.json:
-        print_json(
-            {"schema": SCHEMA, "filter": _described(args), "files": batch.done, "failed": batch.failed}
-        )
-    elif batch.done:
-        print("\n".join(_told(args, batch.done)), file=summary_stream(args.output or ""))
+        report = {"files": files, "failed": batch.failed, "skipped": skipped}
+        print_json({"schema": SCHEMA, "filter": _described(args), **report})
+    else:
+        lines = [*(table_of(args, files) if files else ()), *told_of_skipped(skipped)]
+        for line in lines:
+            print(line, file=summary_stream(args.output or ""))
     return batch.code
 
 
 def _plan(args: Namespace, outputs: Mapping[str, Path | None]) -> int:
-    def checked(path: str) -> tuple[str, str]:
-        found = _Found()
-        deque(_recordings(args, path, found), maxlen=0)
-        return path, found.described
-
-    batch = over_files(list(outputs), checked, "reading")
-    writes = [outputs[path] for path, _ in batch.done]
-    tell_plan(args, dict(batch.done), [*filter(None, writes), *([args.picture] if args.picture else [])])
+    batch = over_many_files(args, outputs, _Check(in_any_folder(args)), "reading")
+    writes = [outputs[path] for path in batch.done]
+    tell_plan(args, batch.done, [*filter(None, writes), *([args.picture] if args.picture else [])])
     return batch.code
+
+
+@dataclass(frozen=True, slots=True)
+class _Estimation:
+    """What is done with each recording."""
+
+    args: Namespace
+    estimated: Callable[[Iterable[ImuRecording]], Iterator[AttitudeHistory]]
+
+    def __call__(self, path: str, output: Path | None) -> dict[str, Any]:
+        args, found = self.args, Found()
+        attitudes = found.of(self.estimated(_recordings(args, path, found)))
+        if args.picture is not None:
+            attitudes = iter([_drawn(attitudes, args.picture)])
+        if output is not None:
+            to_frame = args.to_frame or args.frame
+            turned = (from_enu_flu(block, to_frame) for block in attitudes)
+            # Of OUT itself the folder has to be there.
+            alone = output == Path(args.output)
+            write_blocks(output, turned if alone else into_folder(turned, output.parent), args.to)
+        else:
+            deque(attitudes, maxlen=0)
+        return found.summary()
+
+
+@dataclass(frozen=True, slots=True)
+class _Check:
+    """What --dry-run does with each recording."""
+
+    args: Namespace
+
+    def __call__(self, path: str, output: Path | None) -> str:
+        found = Found()
+        deque(_recordings(self.args, path, found), maxlen=0)
+        return found.described
+
+
+def _name(output: Path | None) -> str | None:
+    return None if output is None else str(output)
 
 
 def _estimator(args: Namespace) -> Callable[[Iterable[ImuRecording]], Iterator[AttitudeHistory]]:
@@ -161,7 +188,7 @@ def _outputs(args: Namespace, paths: Sequence[str]) -> list[Path | None]:
     return list(outputs)
 
 
-def _recordings(args: Namespace, path: str, found: _Found) -> Iterator[ImuRecording]:
+def _recordings(args: Namespace, path: str, found: Found) -> Iterator[ImuRecording]:
     """The blocks of the IMU's part in our axes; units that cannot be are refused unless they are trusted."""
     # To look back from the end, and to be drawn, a recording has to be there as a whole.
     whole = args.smooth or args.picture is not None
@@ -184,52 +211,6 @@ def _recordings(args: Namespace, path: str, found: _Found) -> Iterator[ImuRecord
     yield waiting
 
 
-class _Found:
-    """What the summary tells of a recording, gathered from its blocks."""
-
-    def __init__(self) -> None:
-        self._samples, self._first, self._last = 0, 0.0, np.empty(0)
-        self._steps = RunningMedian()
-        self._magnetometer = self._is_trial = False
-        self._flags = dict.fromkeys(("rest", "disturbed", "held"), 0)
-        self._bias: list[float] | None = None
-
-    def take(self, block: ImuRecording, is_trial: bool) -> None:
-        """Take in what was read."""
-        self._first = self._first if self._samples else float(block.t[0])
-        self._samples += len(block)
-        self._steps.add(np.diff(block.t, prepend=self._last))
-        self._last = block.t[-1:]
-        self._magnetometer, self._is_trial = block.mag_uT is not None, is_trial
-
-    def of(self, attitudes: Iterable[AttitudeHistory]) -> Iterator[AttitudeHistory]:
-        """The same blocks, of which is taken in what was estimated."""
-        for block in attitudes:
-            for name in self._flags:
-                self._flags[name] += int(np.count_nonzero(getattr(block, name)))
-            self._bias = None if block.gyro_bias is None else np.degrees(block.gyro_bias[-1]).tolist()
-            yield block
-
-    @property
-    def described(self) -> str:
-        """What was read, in a few words."""
-        return described_by(ImuRecording.__name__, self._samples, float(self._last[0] - self._first))
-
-    def summary(self, path: str, output: Path | None) -> dict[str, Any]:
-        """Everything, for people and programs."""
-        return {
-            "file": path,
-            "output": None if output is None else str(output),
-            "samples": self._samples,
-            "span_s": float(self._last[0] - self._first),
-            "rate_hz": 1.0 / self._steps.value() if self._samples > 1 else None,
-            "magnetometer": self._magnetometer,
-            **{f"{name}_share": count / self._samples for name, count in self._flags.items()},
-            "gyro_bias_deg_s": self._bias,
-            "has_reference": self._is_trial,
-        }
-
-
 def _described(args: Namespace) -> dict[str, Any]:
     return {
         "name": args.filter,
@@ -238,51 +219,3 @@ def _described(args: Namespace) -> dict[str, Any]:
         "set": args.set,
         "declination_deg": args.declination_deg or 0.0,
     }
-
-
-def _told(args: Namespace, files: Sequence[dict[str, Any]]) -> list[str]:
-    """The summary, with what to do next."""
-    from kreisel.cli.tables import plain
-
-    north = "true" if args.declination_deg is not None else "magnetic"
-    tuning = "".join(f", {pair}" for pair in args.set)
-    header = [
-        "recording",
-        "samples",
-        "span, s",
-        "rate, Hz",
-        "at rest",
-        "disturbed",
-        "held",
-        "gyro bias, deg/s",
-    ]
-    smooth = ", smoothed" if args.smooth else ""
-    lines = [f"{args.filter}, mode {args.mode or 'auto'}{smooth}{tuning}; north is {north} north", ""]
-    lines += [*plain(header, [_row(file) for file in files]), ""]
-    if args.output is None:
-        lines.append("nothing written: -o attitude.tum keeps the attitude")
-    else:
-        lines.append(
-            f"written: {f'{len(files)} files in {args.output}' if len(files) > 1 else files[0]['output']}"
-        )
-    return [*lines, "next: " + _next(files[0])]
-
-
-def _row(file: dict[str, Any]) -> list[str]:
-    shares = [file[f"{name}_share"] for name in ("rest", "disturbed", "held")]
-    if not file["magnetometer"]:
-        shares[1] = None
-    bias = file["gyro_bias_deg_s"]
-    return [
-        file["file"],
-        str(file["samples"]),
-        f"{file['span_s']:.4g}",
-        "-" if file["rate_hz"] is None else f"{file['rate_hz']:.4g}",
-        *("-" if share is None else f"{100.0 * share:.3g} %" for share in shares),
-        "-" if bias is None else " ".join(f"{x:+.3f}" for x in bias),
-    ]
-
-
-def _next(file: dict[str, Any]) -> str:
-    truth = file["file"] if file["has_reference"] else "TRUTH"
-    return f"kreisel evaluate {truth} {file['output'] or 'attitude.tum'} -o report/"

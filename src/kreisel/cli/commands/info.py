@@ -45,16 +45,17 @@ def run(args: Namespace) -> int:
     """Report on every file."""
     batch = over_files(
         expanded(args.input),
-        lambda path: (path, listing(path, args.from_format), _facts(args, path)),
+        lambda path: (listing(path, args.from_format), _facts(args, path)),
         "reading",
     )
     if args.json:
         files = [
-            {"file": path, **_topics_json(topics), **_as_json(what)} for path, topics, what in batch.done
+            {"file": path, **_topics_json(topics), **_as_json(what)}
+            for path, (topics, what) in batch.done.items()
         ]
         print_json({"schema": "kreisel.info/1", "files": files, "failed": batch.failed})
     else:
-        print("\n\n".join("\n".join(_report(*each)) for each in batch.done))
+        print("\n\n".join("\n".join(_report(path, *found)) for path, found in batch.done.items()))
     return batch.code
 
 

@@ -33,6 +33,14 @@ def computed(
     return made, perf_counter() - start, float(sum(sizeof(result) for _, result in made))
 
 
+def share_of_worker(size: float) -> float:
+    """Bytes for each thread of the worker that this runs in, of `size` that its machine has."""
+    from distributed import get_worker
+
+    worker = get_worker()
+    return min(size, worker.memory_manager.memory_limit or size) / worker.state.nthreads
+
+
 def _made(work: Callable[[int], Any], block: int) -> Any:
     try:
         return work(block)
