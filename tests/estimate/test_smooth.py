@@ -34,6 +34,14 @@ def test_what_comes_after_helps(rng: np.random.Generator) -> None:
     assert both < 0.5 * back
 
 
+def test_a_start_on_its_head_is_mended_from_behind(rng: np.random.Generator) -> None:
+    recording, truth = worn(60.0, rng, rest=0.0)
+    upside_down = truth[0] * np.array([[1.0], [-1.0], [-1.0]])
+    begun_wrong = angles_deg(smooth(MekfFilter(), recording, R_NS=upside_down).R_NS, truth)[0]
+    # Looking back from where the filter began again stopped there: 100 deg and more through the first seconds.
+    assert begun_wrong.max() < 3.0
+
+
 def test_the_end_knows_nothing_more(rng: np.random.Generator) -> None:
     recording, _ = imperfect(60.0, rng)
     history, smoothed = run(MekfFilter(), recording), smooth(MekfFilter(), recording)

@@ -181,5 +181,5 @@ class MekfFilter:
 
 FILTER = MekfFilter
 
-STATE_VERSION = 2
+STATE_VERSION = 3
 """Raised whenever places of the state change their meaning: streams saved before are then refused."""

@@ -55,7 +55,10 @@ WANDERING = 84  # the same noise as ROAMING, however large
 MEAN_SQUARE = 85  # of the specific force, low-passed, m^2/s^4
 NEXT_PART = 86  # s into the window, when TURN is next due
 WINDOWS = 87  # how many have closed
-COVARIANCE = 88  # 27 x 27
+CHANGED = 88  # m/s, by how much the velocity has changed since a start in motion; 0 once its level is found
+SOUGHT = 89  # s, for which that level has been sought
+MOMENTS = 90  # 6: of the specific force in N, times that time and times its square
+COVARIANCE = 96  # 27 x 27
 CORRECTION = COVARIANCE + ERRORS**2  # 27: errors found in the latest window
 
 # How the latest window moved the errors, for whoever looks back.

@@ -27,7 +27,7 @@ _TILTED_AT_G, _PUSHED = 0.14, 0.5
 _UNKNOWN = 1.5
 
 # rad: what a mean of the force and a first field leave open.
-_NEW_TILT, _NEW_HEADING = 0.35, 1.0
+NEW_TILT, _NEW_HEADING = 0.35, 1.0
 
 # rad/s and 1: how wrong bias and scale may have become before.
 _NEW_BIAS, _NEW_SCALE = 5e-3, 2e-3
@@ -61,18 +61,18 @@ def begin_again(state: Array, P: Array) -> None:
     if 0.5 * (P[0, 0] + P[1, 1]) > _UNKNOWN**2 or dot(up, up) == 0.0:
         state[at.LEVELLED] = 0.0
     else:
-        _level(state, up)
+        turn_world(state, to_up(up))
     state[at.NORTHED] = 0.0
     for i in range(2):
-        _renew(P, i, _NEW_TILT**2)
-        _renew(P, at.V + i, 1.0)
-        _renew(P, at.S + i, 0.0)
+        renew(P, i, NEW_TILT**2)
+        renew(P, at.V + i, 1.0)
+        renew(P, at.S + i, 0.0)
         state[at.VELOCITY + i] = 0.0
     for i in range(3):
-        _renew(P, at.U + i, 1.0)
+        renew(P, at.U + i, 1.0)
         state[at.TRAVEL + i] = 0.0
-    _renew(P, 2, _NEW_HEADING**2)
-    _renew(P, at.D, state[at.SPREAD])
+    renew(P, 2, _NEW_HEADING**2)
+    renew(P, at.D, state[at.SPREAD])
     # What is wrong may have taught wrong constants as well.
     for i in range(at.B, at.B + 3):
         P[i, i] += _NEW_BIAS**2
@@ -84,7 +84,7 @@ def begin_again(state: Array, P: Array) -> None:
 
 
 @kernel
-def _renew(P: Array, i: int, variance: float) -> None:
+def renew(P: Array, i: int, variance: float) -> None:
     """An error that has nothing to do with any other."""
     for j in range(P.shape[0]):
         P[i, j] = P[j, i] = 0.0
@@ -92,9 +92,9 @@ def _renew(P: Array, i: int, variance: float) -> None:
 
 
 @kernel
-def _level(state: Array, up: Vector) -> None:
-    """Turn R_NS the shortest way that makes the direction `up`, in N as it was, the new up."""
+def to_up(up: Vector) -> Vector:
+    """The shortest rotation vector, in N, that makes the direction `up` the new up."""
     angle = math.atan2(math.hypot(up[0], up[1]), up[2])
     axis = unit((up[1], -up[0], 0.0))
     # Upside down any axis will do.
-    turn_world(state, scaled(angle, axis if dot(axis, axis) > 0.0 else (1.0, 0.0, 0.0)))
+    return scaled(angle, axis if dot(axis, axis) > 0.0 else (1.0, 0.0, 0.0))

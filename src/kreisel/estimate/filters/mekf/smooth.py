@@ -11,7 +11,7 @@ from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters.dcm.window import turn_world
 from kreisel.estimate.filters.mekf import layout as at
 from kreisel.estimate.filters.mekf.backward import AFTER, BEFORE, FOUND, SIGMA, look_back
-from kreisel.estimate.filters.mekf.step import step, tell_all
+from kreisel.estimate.filters.mekf.step import batch, step, tell_all
 from kreisel.maths.kernels import kernel
 from kreisel.maths.vectors import Array, added, load, scaled, store
 
@@ -21,6 +21,9 @@ ANSWER = at.SIGMA + 3
 
 # s of a block, and s beyond it that it looks ahead: more than twice the time over which a heading is averaged.
 _BLOCK, _AHEAD = 300.0, 150.0
+
+# s: a first answer that had to begin again by then began wrong; later it was a sensor that failed.
+_STARTED = 30.0
 
 # rad: how well a second pass knows at least which way is up; several times as well as that it does in fact.
 _TILT = 0.05
@@ -35,12 +38,35 @@ def smoothed(
     """
     inputs = parameters, t, gyro, accel, mag
     once = state.copy()
-    for _, answers in blocks(once, *inputs):
-        if once[at.LEVELLED] == 1.0:
-            _begin_anew(state, parameters, answers, mag[: len(answers)])
-        break
-    for first, answers in blocks(state, *inputs):
+    _, answers, again = next(blocks(once, *inputs))
+    if 0 <= again < _end(t, t[0] + _STARTED) and once[at.LEVELLED] == 1.0:
+        # What later samples told ends there: the beginning is found from behind.
+        start = _gone_back(state, *inputs, answers)
+        _, answers, _ = next(blocks(start, *inputs))
+    if once[at.LEVELLED] == 1.0:
+        _begin_anew(state, parameters, answers, mag[: len(answers)])
+    for first, answers, _ in blocks(state, *inputs):
         put(answers, out, first)
+
+
+def _gone_back(
+    state: Array, parameters: Array, t: Array, gyro: Array, accel: Array, mag: Array, answers: Array
+) -> Array:
+    """`state` with the attitude that the filter has when it goes from the last of `answers` back to their first."""
+    start, back = state.copy(), state.copy()
+    last = len(answers) - 1
+    back[at.R_NS : at.R_NS + 9] = answers[last, at.R_NS : at.R_NS + 9]
+    back[at.LEVELLED] = back[at.NORTHED] = 1.0
+    columns = Columns.of((last + 1,), bias=True, sigma=True)
+    # What turned S on the way to a sample turns it back on the way from there.
+    turns = -np.roll(gyro[: last + 1], -1, axis=0)
+    t, gyro, accel, mag = (
+        np.ascontiguousarray(x[last::-1]) for x in (t[last] - t[: last + 1], turns, accel, mag)
+    )
+    batch(back, parameters, t, gyro, accel, mag, columns)
+    start[at.R_NS : at.R_NS + 9] = back[at.R_NS : at.R_NS + 9]
+    start[at.LEVELLED], start[at.FLAGS], start[at.CALM] = 1.0, 0.0, 0.0
+    return start
 
 
 @kernel
@@ -76,8 +102,12 @@ def _begin_anew(state: Array, parameters: Array, answers: Array, mag: Array) -> 
 
 def blocks(
     state: Array, parameters: Array, t: Array, gyro: Array, accel: Array, mag: Array
-) -> Iterator[tuple[int, Array]]:
-    """First sample and smoothed answers (m, ANSWER) of each block; `state` moves on."""
+) -> Iterator[tuple[int, Array, int]]:
+    """First sample and smoothed answers (m, ANSWER) of each block; `state` moves on.
+
+    With them comes the first sample after which the filter began again, -1 where it never did: what came later does not
+    reach back beyond it.
+    """
     inputs = parameters, t, gyro, accel, mag
     first = latest = 0
     while first < len(t):
@@ -96,7 +126,8 @@ def blocks(
         look_back(log[:count], np.empty((at.ERRORS + 2, at.ERRORS)), found)
         correct(t, first, inside, ends[:count], found)
         state[:] = kept
-        yield first, inside
+        again = np.flatnonzero(log[1:count, at.CHANGE_FORCE - at.COVARIANCE] == at.NOTHING)
+        yield first, inside, int(ends[again[0] + 1]) if len(again) else -1
         first, latest = end, known
 
 

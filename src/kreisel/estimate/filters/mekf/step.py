@@ -7,6 +7,7 @@ from kreisel.estimate.answers import Columns, tell
 from kreisel.estimate.filters.dcm.start import UNSEEN, bridge, is_rate, start
 from kreisel.estimate.filters.dcm.step import NO_FORCE, corrected, turned
 from kreisel.estimate.filters.mekf import layout as at
+from kreisel.estimate.filters.mekf.level import seek
 from kreisel.estimate.filters.mekf.repeated import is_dead, is_steady, unmeasured
 from kreisel.estimate.filters.mekf.window import close_part
 from kreisel.maths.kernels import inlined, kernel
@@ -20,7 +21,10 @@ _NO_FIELD = 1e4
 def step(state: Array, params: Array, gyro: Vector, accel: Vector, mag: Vector, dt: float) -> None:
     """Move `state` over the `dt` seconds that end with these samples."""
     waits = state[at.LEVELLED] == 0.0 or state[at.NORTHED] < params[at.START_NORTH]
-    if (waits and start(state, params, accel, mag)) or not dt > 0.0:
+    if waits and start(state, params, accel, mag):
+        seek(state, params, accel)
+        return
+    if not dt > 0.0:
         return
     state[at.FLAGS] = state[at.CALM]
     latest = load(state, at.RATE)

@@ -9,6 +9,7 @@ from kreisel.estimate.filters.dcm.window import linearise, turn_world
 from kreisel.estimate.filters.mekf import layout as at
 from kreisel.estimate.filters.mekf.covariance import known_to, propagate
 from kreisel.estimate.filters.mekf.field import observe_field
+from kreisel.estimate.filters.mekf.level import level
 from kreisel.estimate.filters.mekf.lost import begin_again, is_lost
 from kreisel.estimate.filters.mekf.rest import watch_rest
 from kreisel.estimate.filters.mekf.velocity import observe_velocity
@@ -38,7 +39,9 @@ def _close_window(state: Array, params: Array) -> None:
         state[i] = 0.0
     state[at.OBSERVED] = 0.0
     state[at.CHANGE_FORCE] = at.NOTHING
-    if state[at.LEVELLED] == 1.0:
+    if state[at.CHANGED] > 0.0:
+        level(state, params)
+    elif state[at.LEVELLED] == 1.0:
         state[at.CALM] = _correct(state, params)
         turn_world(state, scaled(-1.0, load(state, at.CORRECTION)))
         _look_after(state, params)
