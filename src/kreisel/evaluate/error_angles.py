@@ -202,14 +202,14 @@ def _around(below: Counts, rank: float) -> tuple[float, float, float]:
     """Bounds of the buckets that hold the numbers on both sides of a rank, and how many lie below them."""
     low = np.searchsorted(below, math.floor(rank), side="right") - 1
     high = np.searchsorted(below, math.ceil(rank), side="right") - 1
-    least = _bound(low) if low > 0 else 0.0
-    return least, _bound(high + 1) if high < _BUCKETS - 1 else np.inf, np.float64(below[low])
+    least = _bound(np.int64(low)) if low > 0 else 0.0
+    return least, _bound(np.int64(high + 1)) if high < _BUCKETS - 1 else np.inf, np.float64(below[low])
 
 
 @kernel
-def _bound(bucket: int) -> float:
+def _bound(bucket: np.int64) -> float:
     """The smallest number of a bucket but the lowest one."""
-    return np.int64((bucket + _LOWEST) << _SHIFT).view(np.float64)
+    return ((bucket + _LOWEST) << _SHIFT).view(np.float64)
 
 
 @kernel

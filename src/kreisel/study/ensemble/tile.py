@@ -79,13 +79,20 @@ def estimate(
     scratch: Scratch, seen: Seen, recorded: Readings, recipes: Sequence[FilterRecipe], filter: Any, most: int
 ) -> dict[str, npt.NDArray[Any]]:
     """Figures (runs,) of one filter on as many runs as it has lanes, and "trace" (runs, 3, most)."""
+    return errors(scratch, seen, attitudes(scratch, seen, recorded, recipes, filter), most)
+
+
+def attitudes(
+    scratch: Scratch, seen: Seen, recorded: Readings, recipes: Sequence[FilterRecipe], filter: Any
+) -> Array:
+    """R_NS (runs, n, 3, 3) of one filter on as many runs as it has lanes, in scratch."""
     shape = recorded["gyro"].shape[:2]
     like = (*shape, filter.learns_bias)
     columns = scratch.keep("answers", like, lambda: Columns.room_for(filter, shape))
     states = np.stack([filter.start(first_attitude(recipe, seen.truth)) for recipe in recipes])
     sensors = readings(filter, seen.ideal.t, recorded["gyro"], recorded["accel"], recorded.get("mag_uT"))
     filter.batch_of_lanes(states, filter.parameters(), *sensors, columns)
-    return errors(scratch, seen, columns.R_NS, most)
+    return columns.R_NS
 
 
 def errors(scratch: Scratch, seen: Seen, R_NS: Array, most: int) -> dict[str, npt.NDArray[Any]]:
