@@ -209,7 +209,7 @@ def _around(below: Counts, rank: float) -> tuple[float, float, float]:
 @kernel
 def _bound(bucket: np.int64) -> float:
     """The smallest number of a bucket but the lowest one."""
-    return ((bucket + _LOWEST) << _SHIFT).view(np.float64)
+    return np.int64((bucket + _LOWEST) << _SHIFT).view(np.float64)
 
 
 @kernel
