@@ -2,10 +2,10 @@
 
     python benchmarks/bench_montecarlo.py [--runs 160] [--samples 10000] [--threads]
 
-Nine channels of white noise, the published step of the DCM filter, RMSE, median, 95th percentile and largest of total,
-heading and inclination error of every run. The loop is what a careful user writes today: noise by NumPy, `run`,
-`attitude_errors(...).summary()`. "Loop, no errors" leaves the last out, and "NumPy" is the tutorial's step in arrays
-over runs, sample by sample, likewise without errors. All take turns; times are those of this process's processors.
+Nine channels of white noise and the published step of the DCM filter, without and with statistics: RMSE, mean, median,
+95th percentile and largest of total, heading and inclination error of every run.
+The loop is what a careful user writes today: noise by NumPy, `run`, `attitude_errors(...).summary()`; "NumPy" is the
+tutorial's step in arrays over runs, sample by sample. All take turns; times are those of this process's processors.
 
 The limit, ns a sample: nine normals 2 to 3.3 each (18 to 30), sixteen lanes of the step about 25 with their readings
 and answers in the cache (44 through memory), errors: 27 products, three angles and the reading of matrices 12, order
@@ -29,7 +29,9 @@ import numpy.typing as npt
 
 from kreisel import DcmFilter, ImuRecording, Scenario, attitude_errors, run
 from kreisel.study.building import build
-from kreisel.study.ensemble.work import Work
+from kreisel.study.ensemble.draws import Draws
+from kreisel.study.ensemble.tile import Scratch, attitudes, record
+from kreisel.study.ensemble.work import LANES, Work
 from kreisel.study.monte_carlo import monte_carlo, prepare
 
 Array = npt.NDArray[np.float64]
@@ -91,15 +93,16 @@ def by_loop(case: Case, runs: int, errors: bool) -> None:
             attitude_errors(case.truth, estimate).summary()
 
 
-def by_numpy(case: Case, runs: int) -> Array:
-    """The published step over all runs at once, one sample after the other."""
+def by_numpy(case: Case, runs: int, errors: bool) -> Array:
+    """The published step over all runs at once, one sample after the other; R or the statistics of its errors."""
+    angles = np.zeros((len(case.ideal), 3, runs) if errors else (1, 3, runs))
     rng = np.random.default_rng(1)
     t, up_weight, north_weight = case.ideal.t, 0.01, 0.01
     R = np.broadcast_to(case.truth.R_NB[0], (runs, 3, 3)).copy()
     ideal = [case.ideal.gyro, case.ideal.accel, case.ideal.mag_uT]
     for k in range(1, len(t)):
         gyro, accel, mag = (
-            x[k] + s * rng.standard_normal((runs, 3)) for x, s in zip(ideal, self_noises(case), strict=True)
+            x[k] + s * rng.standard_normal((runs, 3)) for x, s in zip(ideal, case.noises, strict=True)
         )
         up, east = R[:, 2], R[:, 0]
         a = accel / np.sqrt(np.einsum("ri,ri->r", accel, accel))[:, None]
@@ -115,16 +118,41 @@ def by_numpy(case: Case, runs: int) -> Array:
         up /= np.sqrt(np.einsum("ri,ri->r", up, up))[:, None]
         east /= np.sqrt(np.einsum("ri,ri->r", east, east))[:, None]
         R[:, 2], R[:, 0], R[:, 1] = up, east, np.cross(up, east)
-    return R
+        if errors:
+            angles[k] = angles_of(R @ case.truth.R_NB[k].T)
+    return statistics(np.degrees(np.abs(angles))) if errors else R
 
 
-def self_noises(case: Case) -> list[Array]:
-    return case.noises
+def angles_of(E: Array) -> tuple[Array, Array, Array]:
+    """Total, heading and inclination (runs,) of rotations (runs, 3, 3)."""
+    x, y, z = E[:, 2, 1] - E[:, 1, 2], E[:, 0, 2] - E[:, 2, 0], E[:, 1, 0] - E[:, 0, 1]
+    total = np.arctan2(np.sqrt(x * x + y * y + z * z), np.einsum("rii->r", E) - 1.0)
+    return (
+        total,
+        np.arctan2(z, E[:, 0, 0] + E[:, 1, 1]),
+        np.arctan2(np.hypot(E[:, 0, 2], E[:, 1, 2]), E[:, 2, 2]),
+    )
 
 
-def blocks(work: Work) -> None:
+def statistics(x: Array) -> Array:
+    """RMSE, mean, median, 95th percentile and largest of magnitudes (n, ...) over the first axis."""
+    median, p95 = np.percentile(x, (50.0, 95.0), axis=0)
+    return np.array([np.sqrt(np.mean(x * x, axis=0)), x.mean(axis=0), median, p95, x.max(axis=0)])
+
+
+def ours(work: Work) -> None:
     for number in work.blocks:
         work(number)
+
+
+def ours_without_errors(work: Work, scratch: Scratch) -> None:
+    draws = Draws(work.scenario)
+    stage = work.stage(draws, 0)
+    (seen,), (filter,) = stage.seen, stage.filters
+    for first in range(0, work.runs - LANES + 1, LANES):
+        runs = [draws.of(run) for run in range(first, first + LANES)]
+        recorded = record(scratch, seen, stage.motion, runs)
+        attitudes(scratch, seen, recorded, [run.filters[0] for run in runs], filter)
 
 
 def seconds(do: Callable[[], object], clock: Callable[[], float]) -> float:
@@ -134,24 +162,35 @@ def seconds(do: Callable[[], object], clock: Callable[[], float]) -> float:
 
 
 def compare(case: Case, runs: int, rounds: int) -> None:
-    work = prepare(case.scenario, runs)
-    ways: dict[str, Callable[[], object]] = {
-        "ours": lambda: blocks(work),
-        "loop": lambda: by_loop(case, runs, True),
-        "loop, no errors": lambda: by_loop(case, runs, False),
-        "NumPy, no errors": lambda: by_numpy(case, runs),
+    """Each way against ours that makes the same."""
+    runs -= runs % LANES
+    work, scratch = prepare(case.scenario, runs), Scratch()
+    by_loop(case, 1, True)
+    bare: dict[str, Callable[[], object]] = {
+        "ours": lambda: ours_without_errors(work, scratch),
+        "loop": lambda: by_loop(case, runs, False),
+        "NumPy": lambda: by_numpy(case, runs, False),
     }
-    for do in ways.values():
-        do()
-    times = {name: [] for name in ways}  # type: dict[str, list[float]]
+    told: dict[str, Callable[[], object]] = {
+        "ours": lambda: ours(work),
+        "loop": lambda: by_loop(case, runs, True),
+        "NumPy": lambda: by_numpy(case, runs, True),
+    }
+    for title, ways in (("noise and filter", bare), ("noise, filter and statistics", told)):
+        print(title)
+        measure(ways, runs, runs * len(case.ideal), rounds)
+
+
+def measure(ways: dict[str, Callable[[], object]], runs: int, samples: int, rounds: int) -> None:
+    ways["ours"]()
+    times: dict[str, list[float]] = {name: [] for name in ways}
     for _ in range(rounds):
         for name, do in ways.items():
             times[name].append(seconds(do, process_time))
-    samples = runs * len(case.ideal)
     for name, found in times.items():
         ratio = np.median(np.array(found) / np.array(times["ours"]))
         speed = f"{1e9 * min(found) / samples:7.1f} ns/sample {runs / min(found):8.0f} runs/CPU-second"
-        print(f"{name:<18} {speed}  x {ratio:.2f}")
+        print(f"  {name:<6} {speed}  x {ratio:.2f}")
 
 
 def threads(case: Case, runs: int, rounds: int) -> None:

@@ -64,7 +64,7 @@ def spread(angle: Array, counts: Mask | None = None) -> Spread:
     """Statistics of |angle| (n,) rad over the samples that count, all of them for None; at least one has to."""
     chosen = angle if counts is None else angle[counts]
     out = np.empty(len(Spread._fields))
-    spread_into(argument(chosen), out)
+    spread_into(argument(chosen), np.empty((3, len(chosen) + 1)), out)
     return Spread(*out.tolist())
 
 
@@ -84,6 +84,24 @@ def angles_into(truth: Array, R: Array, angles: Array) -> None:
         for k in range(3):
             for i in range(m):
                 angles[k, begin + i] = out[k * CHUNK + i]
+
+
+@kernel
+def figures_into(truth: Array, R: Array, t: Array, limit_deg: float, room: Array, out: Array) -> None:
+    """`angles_into` at t (n,) s, and into `out` (16,) the `spread` of each and when their total falls below the limit.
+
+    For good, s after the first sample; infinite where it never does. room (6, n + 1): its first three rows take the
+    angles, the others are written to.
+    """
+    n = t.shape[0]
+    angles = room[:3, :n]
+    angles_into(truth, R, angles)
+    for k in range(3):
+        spread_into(angles[k], room[3:], out[5 * k : 5 * k + 5])
+    last = n - 1
+    while last >= 0 and not angles[0, last] * DEGREES >= limit_deg:
+        last -= 1
+    out[15] = 0.0 if last < 0 else t[last + 1] - t[0] if last + 1 < n else np.inf
 
 
 @kernel
@@ -118,11 +136,11 @@ def _product(e: Array, t: Array, i: int, row: int, column: int) -> float:
 
 
 @kernel
-def spread_into(angle: Array, out: Array) -> None:
-    """`spread` of all samples (n,), into `out` (5,)."""
+def spread_into(angle: Array, room: Array, out: Array) -> None:
+    """`spread` of all samples (n,), into `out` (5,); `room` (3, n + 1) is written to."""
     wide_vectors()
     n = angle.shape[0]
-    x = np.empty(n)
+    x = room[0, :n]
     out[0], out[1], out[4] = _moments(angle, x)
     if not out[1] < np.inf:
         out[:] = np.nan
@@ -132,11 +150,7 @@ def spread_into(angle: Array, out: Array) -> None:
         below[_bucket(x[k]) + 1] += 1
     for k in range(_BUCKETS):
         below[k + 1] += below[k]
-    middle, at = 0.5 * (n - 1), 0.95 * (n - 1)
-    first, second = _two(x, below, math.floor(middle))
-    out[2] = 0.5 * (first + second) if n % 2 == 0 else first
-    first, second = _two(x, below, math.floor(at))
-    out[3] = first + (second - first) * (at - math.floor(at))
+    out[2], out[3] = _two_ranks(x, below, 0.5 * (n - 1), 0.95 * (n - 1), room[1], room[2])
 
 
 @kernel
@@ -169,16 +183,60 @@ def _bucket(x: float) -> np.int64:
 
 
 @kernel
-def _two(x: Array, below: Counts, rank: int) -> tuple[float, float]:
-    """The numbers of rank `rank` and `rank` + 1, counted from 0; the first twice where it is the last."""
-    following = min(rank + 1, x.shape[0] - 1)
-    low = np.searchsorted(below, rank, side="right") - 1
-    high = np.searchsorted(below, following, side="right") - 1
-    found = np.empty(below[high + 1] - below[low])
-    count = 0
+def _two_ranks(
+    x: Array, below: Counts, first: float, second: float, of_first: Array, of_second: Array
+) -> tuple[float, float]:
+    """The numbers of two ranks, counted from 0; between whole ranks those on both sides by their distances."""
+    a, b = _around(below, first), _around(below, second)
+    m = n = 0
+    # What is not chosen is written too, and written over: no branch to guess.
     for k in range(x.shape[0]):
-        if low <= _bucket(x[k]) <= high:
-            found[count] = x[k]
-            count += 1
-    found.sort()
-    return found[rank - below[low]], found[following - below[low]]
+        of_first[m] = of_second[n] = x[k]
+        m += a[0] <= x[k] < a[1]
+        n += b[0] <= x[k] < b[1]
+    return _of_rank(of_first[:m], first - a[2]), _of_rank(of_second[:n], second - b[2])
+
+
+@kernel
+def _around(below: Counts, rank: float) -> tuple[float, float, float]:
+    """Bounds of the buckets that hold the numbers on both sides of a rank, and how many lie below them."""
+    low = np.searchsorted(below, math.floor(rank), side="right") - 1
+    high = np.searchsorted(below, math.ceil(rank), side="right") - 1
+    least = _bound(np.int64(low)) if low > 0 else 0.0
+    return least, _bound(np.int64(high + 1)) if high < _BUCKETS - 1 else np.inf, np.float64(below[low])
+
+
+@kernel
+def _bound(bucket: np.int64) -> float:
+    """The smallest number of a bucket but the lowest one."""
+    return np.int64((bucket + _LOWEST) << _SHIFT).view(np.float64)
+
+
+@kernel
+def _of_rank(found: Array, rank: float) -> float:
+    """The number of this rank among `found`, whose order is changed."""
+    k = math.floor(rank)
+    _select(found, k)
+    low = found[k]
+    high = found[k + 1 :].min() if rank > k else low
+    return 0.5 * (low + high) if rank - k == 0.5 else low + (high - low) * (rank - k)
+
+
+@kernel
+def _select(x: Array, rank: int) -> None:
+    """Put the number of this rank in its place, no larger ones before it and no smaller ones behind it.
+
+    Source: Hoare 1961, "Algorithm 65: Find".
+    """
+    left, right = 0, x.shape[0] - 1
+    while left < right:
+        pivot, i, j = x[rank], left, right
+        while i <= j:
+            while x[i] < pivot:
+                i += 1
+            while x[j] > pivot:
+                j -= 1
+            if i <= j:
+                x[i], x[j] = x[j], x[i]
+                i, j = i + 1, j - 1
+        left, right = i if rank > j else left, j if rank < i else right

@@ -66,16 +66,17 @@ class Stream:
         Box-Muller: samples 4 k to 4 k + 3 of a channel are made from one Philox block. No number exceeds 7.45.
         """
         out = np.empty((count, channels))
-        _normals(self._words(first), channel, out)
+        fill_normals(self.words(first), channel, out)
         return out
 
     def uniforms(self, first: int, count: int, channels: int = 3, channel: int = 0) -> Array:
         """Uniform numbers (count, channels) in [0, 1), multiples of 2^-53, independent of the normals."""
         out = np.empty((count, channels))
-        _uniforms(self._words(first), UNIFORM_CHANNELS + channel, out)
+        _uniforms(self.words(first), UNIFORM_CHANNELS + channel, out)
         return out
 
-    def _words(self, first: int) -> Words:
+    def words(self, first: int) -> Words:
+        """Key, key, highest word of every counter and number of the first sample, as kernels take them."""
         return np.array([self.key_0, self.key_1, self.high, first], dtype=np.uint64)
 
 
@@ -166,7 +167,8 @@ def _turn(x: Words, radius: Array, cosine: Array, sine: Array) -> None:
 
 
 @kernel
-def _normals(words: Words, channel: int, out: Array) -> None:
+def fill_normals(words: Words, channel: int, out: Array) -> None:
+    """`Stream.normals` by its `words`, into `out` (count, channels)."""
     wide_vectors()
     x, exponent = np.empty(2 * CHUNK, np.uint64), np.empty(2 * CHUNK, np.uint64)
     scratch, radius = np.empty(2 * CHUNK, np.uint64), np.empty(2 * CHUNK)

@@ -35,12 +35,12 @@ def read_many(
         felt = felt_by(sampling, sensor, motion, ideal)
         contexts = list(contexts_of(imu, sensor, motion, felt))
         whole = isinstance(felt.rows, slice)
-        for (seed, run), reading in zip(draws, readings, strict=True):
-            found = reading if whole else np.empty_like(felt.reading)
-            stream_of = partial(stream, seed, run, f"{imu.mount.name}/{sensor}")
-            read(effects, felt.reading, contexts, stream_of, found)
+        found = readings if whole else np.empty((len(draws), *felt.reading.shape))
+        streams_of = [partial(stream, seed, run, f"{imu.mount.name}/{sensor}") for seed, run in draws]
+        read(effects, felt.reading, contexts, streams_of, found)
+        for (seed, run), reading, mine in zip(draws, readings, found, strict=True):
             if not whole:
-                reading[:] = spread(found, felt.rows, len(motion))
+                reading[:] = spread(mine, felt.rows, len(motion))
             if imu.clock.loss:
                 lost = imu.clock.lost(len(motion), stream(seed, run, imu.mount.name, "clock"))
                 reading[lost] = np.nan

@@ -6,7 +6,8 @@ with parameters at which it changes nothing; the contract tests use both.
 
 from __future__ import annotations
 
-from typing import ClassVar, Protocol
+from collections.abc import Sequence
+from typing import ClassVar, Protocol, runtime_checkable
 
 from kreisel.data.checks import Array
 from kreisel.maths.random import Stream
@@ -41,6 +42,15 @@ class Effect(Protocol):
 
         Random numbers are addressed by the number of the sample, so that blocks give the bits of the whole.
         """
+        ...
+
+
+@runtime_checkable
+class ManyEffect(Protocol):
+    """An Effect without state that can also act on several runs at once."""
+
+    def apply_to_all(self, blocks: Array, context: Context, streams: Sequence[Stream], out: Array) -> None:
+        """`apply` to the blocks (runs, n, 3) of several runs with a stream each, into `out`, which may be the same."""
         ...
 
 

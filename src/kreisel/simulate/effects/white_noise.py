@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
 
 from kreisel.data.checks import Array, per_axis
-from kreisel.maths.kernels import argument, kernel
-from kreisel.maths.random import Stream
+from kreisel.maths.kernels import argument, kernel, wide_vectors
+from kreisel.maths.random import CHUNK, Stream, Words, fill_normals
 from kreisel.simulate.context import Context
+
+# Samples whose normals are made at once: the first-level cache holds them.
+_ROWS = 8 * CHUNK
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,9 +47,15 @@ class WhiteNoise:
 
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3) with noise added."""
-        out = stream.normals(context.first, len(block))
-        _add_noise(argument(block), context.dt, self.density, out)
+        out = np.empty_like(block)
+        self.apply_to_all(block[None], context, [stream], out[None])
         return out
+
+    def apply_to_all(self, blocks: Array, context: Context, streams: Sequence[Stream], out: Array) -> None:
+        """`apply` to the blocks (runs, n, 3) of several runs with a stream each, into `out`, which may be the same."""
+        deviations = _deviations(context.dt, self.density)
+        for block, stream, noisy in zip(blocks, streams, out, strict=True):
+            _add_noise(argument(block), stream.words(context.first), deviations, noisy)
 
     def allan_deviation(self, tau: Array) -> Array:
         """Allan deviation (m, 3) at averaging times tau (m,) s."""
@@ -53,17 +63,31 @@ class WhiteNoise:
 
 
 @kernel
-def _add_noise(block: Array, dt: Array, density: Array, out: Array) -> None:
-    step, x, y, z = 0.0, 0.0, 0.0, 0.0
-    for k in range(block.shape[0]):
-        # A root and a division cost more than all else, and most clocks are even.
-        if dt[k] != step:
-            step = dt[k]
-            per_root_s = 1.0 / np.sqrt(step)
-            x, y, z = density[0] * per_root_s, density[1] * per_root_s, density[2] * per_root_s
-        out[k, 0] = block[k, 0] + x * out[k, 0]
-        out[k, 1] = block[k, 1] + y * out[k, 1]
-        out[k, 2] = block[k, 2] + z * out[k, 2]
+def _deviations(dt: Array, density: Array) -> Array:
+    wide_vectors()
+    out = np.empty((dt.shape[0], 3))
+    for k in range(dt.shape[0]):
+        per_root_s = 1.0 / np.sqrt(dt[k])
+        out[k, 0], out[k, 1], out[k, 2] = (
+            density[0] * per_root_s,
+            density[1] * per_root_s,
+            density[2] * per_root_s,
+        )
+    return out
+
+
+@kernel
+def _add_noise(block: Array, words: Words, deviations: Array, out: Array) -> None:
+    wide_vectors()
+    noise, words = np.empty((_ROWS, 3)), words.copy()
+    for begin in range(0, block.shape[0], _ROWS):
+        n = min(_ROWS, block.shape[0] - begin)
+        fill_normals(words, 0, noise[:n])
+        x, by = noise.ravel(), deviations[begin : begin + n].ravel()
+        clean, noisy = block[begin : begin + n].ravel(), out[begin : begin + n].ravel()
+        for k in range(3 * n):
+            noisy[k] = clean[k] + by[k] * x[k]
+        words[3] += np.uint64(n)
 
 
 def example() -> WhiteNoise:

@@ -19,6 +19,9 @@ FIGURES = (
 )
 """Of every run, by the names they have in `AttitudeErrors.summary()`; a time of infinity is never."""
 
+LIMIT_DEG = 5.0
+"""What the total error stays below once a run has converged: that of `AttitudeErrors.summary()`."""
+
 NEES = "nees"
 """Mean of (error / sigma)^2 over samples and axes of N: 1 where a filter errs as much as it says."""
 
@@ -32,14 +35,6 @@ def figures(estimate: Estimate) -> dict[str, float]:
     if estimate.attitude.sigma is not None:
         found[NEES] = nees(estimate.errors, estimate.attitude.sigma)
     return found
-
-
-def converged(t: Array, total: Array, limit_deg: float = 5.0) -> float:
-    """`convergence_time_s` of total errors (n,) rad at t (n,) s; infinite for never."""
-    above = np.flatnonzero(np.degrees(total) >= limit_deg)
-    if not above.size:
-        return 0.0
-    return float(t[above[-1] + 1] - t[0]) if above[-1] + 1 < len(t) else math.inf
 
 
 def nees(errors: AttitudeErrors, sigma: Array) -> float:

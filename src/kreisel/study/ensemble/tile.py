@@ -14,11 +14,11 @@ from kreisel.data.motion import Motion
 from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters import LaneFilter
 from kreisel.estimate.run import readings
-from kreisel.evaluate.error_angles import angles_into, spread_into
+from kreisel.evaluate.error_angles import DEGREES, figures_into
 from kreisel.maths.kernels import argument
 from kreisel.simulate.imu import SENSORS
 from kreisel.simulate.many import read_many
-from kreisel.study.ensemble.figures import FIGURES, KINDS, converged, instants
+from kreisel.study.ensemble.figures import FIGURES, KINDS, LIMIT_DEG, instants
 from kreisel.study.ensemble.stage import Seen
 from kreisel.study.run import first_attitude
 from kreisel.study.scenario import FilterRecipe, Scenario
@@ -79,25 +79,29 @@ def estimate(
     scratch: Scratch, seen: Seen, recorded: Readings, recipes: Sequence[FilterRecipe], filter: Any, most: int
 ) -> dict[str, npt.NDArray[Any]]:
     """Figures (runs,) of one filter on as many runs as it has lanes, and "trace" (runs, 3, most)."""
+    return errors(scratch, seen, attitudes(scratch, seen, recorded, recipes, filter), most)
+
+
+def attitudes(
+    scratch: Scratch, seen: Seen, recorded: Readings, recipes: Sequence[FilterRecipe], filter: Any
+) -> Array:
+    """R_NS (runs, n, 3, 3) of one filter on as many runs as it has lanes, in scratch."""
     shape = recorded["gyro"].shape[:2]
     like = (*shape, filter.learns_bias)
     columns = scratch.keep("answers", like, lambda: Columns.room_for(filter, shape))
     states = np.stack([filter.start(first_attitude(recipe, seen.truth)) for recipe in recipes])
     sensors = readings(filter, seen.ideal.t, recorded["gyro"], recorded["accel"], recorded.get("mag_uT"))
     filter.batch_of_lanes(states, filter.parameters(), *sensors, columns)
-    return errors(seen, columns.R_NS, most)
+    return columns.R_NS
 
 
-def errors(seen: Seen, R_NS: Array, most: int) -> dict[str, npt.NDArray[Any]]:
+def errors(scratch: Scratch, seen: Seen, R_NS: Array, most: int) -> dict[str, npt.NDArray[Any]]:
     """Figures (runs,) and trace of estimates R_NS (runs, n, 3, 3), with the bits that `attitude_errors` gives them."""
     runs, n = R_NS.shape[:2]
     numbers, traces = np.empty((runs, len(FIGURES))), np.empty((runs, len(KINDS), most), dtype=np.float32)
-    rows, t, angles = instants(n, most), seen.truth.t, np.empty((len(KINDS), n))
-    truth = argument(seen.rows)
+    at, room = instants(n, most), scratch.array("errors", 2 * len(KINDS), n + 1)
+    truth, t = argument(seen.rows), argument(seen.truth.t)
     for run in range(runs):
-        angles_into(truth, argument(R_NS[run]), angles)
-        for k in range(len(KINDS)):
-            spread_into(argument(angles[k]), numbers[run, 5 * k : 5 * k + 5])
-        numbers[run, -1] = converged(t, angles[0])
-        traces[run] = np.degrees(angles[:, rows])
+        figures_into(truth, argument(R_NS[run]), t, LIMIT_DEG, room, numbers[run])
+        traces[run] = DEGREES * room[: len(KINDS), at]
     return {**{name: numbers[:, k] for k, name in enumerate(FIGURES)}, "trace": traces}
