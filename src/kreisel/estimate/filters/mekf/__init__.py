@@ -24,6 +24,7 @@ from kreisel.estimate.filters.dcm import Mode, nearest_to_given
 from kreisel.estimate.filters.dcm.covariance import GRAVITY
 from kreisel.estimate.filters.mekf import layout as at
 from kreisel.estimate.filters.mekf import smooth, step
+from kreisel.estimate.filters.mekf.repeated import FIRST_SHARE
 from kreisel.maths.vectors import Array
 
 # What first samples leave open, rad: tilt by acceleration, heading by tilt and iron.
@@ -112,6 +113,7 @@ class MekfFilter:
         state[at.MEAN_FORCE + 2] = GRAVITY
         state[at.MEAN_SQUARE] = GRAVITY**2
         state[at.EXCESS] = 1.0
+        state[at.REPEATING : at.REPEATING + 2] = FIRST_SHARE
         state[at.ROAMING] = state[at.WANDERING] = _FIRST_ROAMING**2
         return state
 

@@ -58,7 +58,9 @@ WINDOWS = 87  # how many have closed
 CHANGED = 88  # m/s, by how much the velocity has changed since a start in motion; 0 once its level is found
 SOUGHT = 89  # s, for which that level has been sought
 MOMENTS = 90  # 6: of the specific force in N, times that time and times its square
-COVARIANCE = 96  # 27 x 27
+REPEATING = 96  # 2: share of readings of a turning gyro's axes, and of the accelerometer's, that repeat
+RUNS = 98  # 4: readings for which the gyro, and each axis of the accelerometer, have repeated
+COVARIANCE = 102  # 27 x 27
 CORRECTION = COVARIANCE + ERRORS**2  # 27: errors found in the latest window
 
 # How the latest window moved the errors, for whoever looks back.
