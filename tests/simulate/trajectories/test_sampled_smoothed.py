@@ -65,12 +65,16 @@ def test_a_turned_sensor_and_a_body_along_its_path_have_them_too(sway, rng):
 def test_a_body_carried_along_its_path_has_them(rng):
     place = (lambda t: np.cos(t), lambda t: np.sin(2 * t), lambda t: 0.3 * np.cos(t))
     truth = FunctionTrajectory(place, "transport").sample(T)
-    p, _ = noisy(truth, rng)
-    motion = SampledTrajectory(T, p, "transport").sample()
-    error, known = motion.omega_NB_B - truth.omega_NB_B, motion.omega_sigma
-    # The rate about the nose is nil by construction; a handful of independent places.
-    assert np.mean(np.abs(error[:, 1:]) < 1.96 * known[:, 1:]) > 0.85
-    assert known[:, 0].max() < 1e-12
+    shares = []
+    for _ in range(4):
+        p, _ = noisy(truth, rng)
+        motion = SampledTrajectory(T, p, "transport").sample()
+        error, known = motion.omega_NB_B - truth.omega_NB_B, motion.omega_sigma
+        assert known[:, 0].max() < 1e-12  # the rate about the nose is nil by construction
+        shares.append(np.mean(np.abs(error[:, 1:]) < 1.96 * known[:, 1:]))
+    # A handful of independent places in each: of 48 draws the shares are 0.958 and scatter by 0.035, the mean of four
+    # by half of it.
+    assert np.mean(shares) > 0.87
 
 
 def test_the_sensor_at_the_mount_and_the_motion_at_the_mount_agree(sway, rng):
