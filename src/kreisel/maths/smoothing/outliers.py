@@ -297,11 +297,15 @@ class _Quiet(NamedTuple):
 
 
 def _quiet(fits: Sequence[Fit], rows: Indices) -> _Quiet | None:
-    """`rows` without the few samples that make them loud; None where these are not few."""
+    """`rows` without the few samples that make them loud; None where these are not few, or no spline is theirs."""
     out: list[int] = []
     while len(out) <= min(_MOST, len(rows) - 2 * ORDER):
         rest = rows[~np.isin(rows, out)]
-        energies, loudness = zip(*(_alone(fit, rest) for fit in fits), strict=True)
+        try:
+            energies, loudness = zip(*(_alone(fit, rest) for fit in fits), strict=True)
+        except np.linalg.LinAlgError:
+            # A few samples behind a step, hardly held by the penalty: their spline is lost in round-off.
+            return None
         loudest = np.max(loudness, axis=0)
         if loudest.max() < _OUTLIER:
             return _Quiet(sum(energies), _truly(fits, rest, np.array(sorted(out), dtype=np.intp)))
