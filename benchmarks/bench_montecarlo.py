@@ -30,7 +30,7 @@ import numpy.typing as npt
 from kreisel import DcmFilter, ImuRecording, Scenario, attitude_errors, run
 from kreisel.study.building import build
 from kreisel.study.ensemble.draws import Draws
-from kreisel.study.ensemble.tile import Scratch, attitudes, record
+from kreisel.study.ensemble.tile import Scratch, attitudes, readings
 from kreisel.study.ensemble.work import LANES, Work
 from kreisel.study.monte_carlo import monte_carlo, prepare
 
@@ -151,8 +151,9 @@ def ours_without_errors(work: Work, scratch: Scratch) -> None:
     (seen,), (filter,) = stage.seen, stage.filters
     for first in range(0, work.runs - LANES + 1, LANES):
         runs = [draws.of(run) for run in range(first, first + LANES)]
-        recorded = record(scratch, seen, stage.motion, runs)
-        attitudes(scratch, seen, recorded, [run.filters[0] for run in runs], filter)
+        read = readings(scratch, seen, stage.motion, runs)
+        for _ in attitudes(scratch, seen, [([run.filters[0] for run in runs], filter)], read):
+            pass
 
 
 def seconds(do: Callable[[], object], clock: Callable[[], float]) -> float:

@@ -9,8 +9,8 @@ from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.recording import ImuRecording
 from kreisel.estimate.batch import run_all, run_batch
 from kreisel.estimate.filters.dcm import DcmFilter
-from kreisel.estimate.filters.dcm.lanes import LANES
 from kreisel.estimate.run import run
+from kreisel.maths.kernels import LANES
 from tests.estimate.filters.turning import Array, tumbling, turning
 from tests.estimate.test_run import FILTERS
 
@@ -86,7 +86,7 @@ def test_the_lanes_are_used(
     filter: DcmFilter, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     used = []
-    monkeypatch.setattr(DcmFilter, "batch_of_lanes", lambda self, *given: used.append(given[3].shape[0]))
+    monkeypatch.setattr(DcmFilter, "batch_of_lanes", lambda self, *given: used.append(given[3].shape[2]))
     t, gyro, accel, mag = recordings(rng, LANES, 40)
     run_batch(filter, t, gyro, accel, mag, threads=1)
     assert used == [LANES]

@@ -49,13 +49,18 @@ def readings(
 ) -> tuple[Array, Array, Array, Array]:
     """t, gyro, accel and mag as kernels take them; NaN in place of a magnetometer that is not needed."""
     if mag is None:
-        if filter.needs_mag:
-            raise ValueError(
-                "this filter needs a magnetometer and the recording has none. "
-                'Give mag_uT, or a mode without it (mode="6").'
-            )
+        check_needs(filter)
         mag = np.full_like(gyro, np.nan)
     return argument(t), argument(gyro), argument(accel), argument(mag)
+
+
+def check_needs(filter: AttitudeFilter) -> None:
+    """ValueError where the filter needs a magnetometer, for a recording that has none."""
+    if filter.needs_mag:
+        raise ValueError(
+            "this filter needs a magnetometer and the recording has none. "
+            'Give mag_uT, or a mode without it (mode="6").'
+        )
 
 
 def _fill(filter: AttitudeFilter, recording: ImuRecording, R_NS: Array | None, columns: Columns) -> None:

@@ -14,7 +14,8 @@ import numpy.typing as npt
 from kreisel.data.attitude import Mask
 from kreisel.data.checks import Array
 from kreisel.maths.arctan import arctan2
-from kreisel.maths.kernels import argument, inlined, kernel, wide_vectors
+from kreisel.maths.kernels import LANES, argument, inlined, kernel, wide_vectors
+from kreisel.maths.vectors import Vector, dot, load
 
 CHUNK = 256
 """Samples worked on at a time: their matrices lie in the first-level cache."""
@@ -26,7 +27,6 @@ DEGREES = 180.0 / math.pi
 _SHIFT = np.int64(46)
 _LOWEST = np.int64((1023 - 31) << 6)
 _BUCKETS = 2560
-_LANES = 16
 
 
 Counts = npt.NDArray[np.int64]
@@ -87,17 +87,41 @@ def angles_into(truth: Array, R: Array, angles: Array) -> None:
 
 
 @kernel
-def figures_into(truth: Array, R: Array, t: Array, limit_deg: float, room: Array, out: Array) -> None:
-    """`angles_into` at t (n,) s, and into `out` (16,) the `spread` of each and when their total falls below the limit.
+def angles_abreast(truth: Array, answers: Array, first: int, angles: Array) -> None:
+    """`error_angles` of answers (n, 9, LANES) against R (n, 9), into columns from `first` on of (LANES, 3, N)."""
+    wide_vectors()
+    e, t, out = answers.reshape(-1), np.empty(9), np.empty(3 * LANES)
+    for i in range(answers.shape[0]):
+        for k in range(9):
+            t[k] = truth[i, k]
+        _angles_of_lanes(t, e[9 * LANES * i : 9 * LANES * (i + 1)], out)
+        for lane in range(LANES):
+            for k in range(3):
+                angles[lane, k, first + i] = out[k * LANES + lane]
 
-    For good, s after the first sample; infinite where it never does. room (6, n + 1): its first three rows take the
-    angles, the others are written to.
+
+@kernel
+def _angles_of_lanes(t: Array, e: Array, out: Array) -> None:
+    """`_angles` of one attitude t (9,) against as many estimates e (9 * LANES,) as there are lanes."""
+    wide_vectors()
+    for j in range(LANES):
+        x = e[j], e[LANES + j], e[2 * LANES + j]
+        y = e[3 * LANES + j], e[4 * LANES + j], e[5 * LANES + j]
+        z = e[6 * LANES + j], e[7 * LANES + j], e[8 * LANES + j]
+        found = _angles_between(load(t, 0), load(t, 3), load(t, 6), x, y, z)
+        out[j], out[LANES + j], out[2 * LANES + j] = found
+
+
+@kernel
+def figures_into(angles: Array, t: Array, limit_deg: float, room: Array, out: Array) -> None:
+    """Into `out` (16,) the `spread` of each of the angles (3, n), and when the total falls below the limit for good.
+
+    That is counted in s after the first of the times t (n,), and infinite where it never does.
+    room (3, n + 1) is written to.
     """
-    n = t.shape[0]
-    angles = room[:3, :n]
-    angles_into(truth, R, angles)
     for k in range(3):
-        spread_into(angles[k], room[3:], out[5 * k : 5 * k + 5])
+        spread_into(angles[k], room, out[5 * k : 5 * k + 5])
+    n = t.shape[0]
     last = n - 1
     while last >= 0 and not angles[0, last] * DEGREES >= limit_deg:
         last -= 1
@@ -106,33 +130,39 @@ def figures_into(truth: Array, R: Array, t: Array, limit_deg: float, room: Array
 
 @kernel
 def _angles(t: Array, e: Array, out: Array) -> None:
-    """Of E = R_est R_true^T: heading is the twist about up of its quaternion, inclination the way of its third axis.
-
-    With the quaternion (w, x, y, z), E10 - E01 = 4 w z and E00 + E11 = 2 (w^2 - z^2), so that
-    heading = 2 atan(z / w) = atan2(E10 - E01, E00 + E11); and E22 = cos of the inclination.
-    """
+    """The angles of a chunk, from rows of elements."""
     wide_vectors()
     for i in range(CHUNK):
-        xx = _product(e, t, i, 0, 0)
-        xy = _product(e, t, i, 0, 1)
-        xz = _product(e, t, i, 0, 2)
-        yx = _product(e, t, i, 1, 0)
-        yy = _product(e, t, i, 1, 1)
-        yz = _product(e, t, i, 1, 2)
-        zx = _product(e, t, i, 2, 0)
-        zy = _product(e, t, i, 2, 1)
-        zz = _product(e, t, i, 2, 2)
-        a, b, c = zy - yz, xz - zx, yx - xy
-        out[i] = arctan2(math.sqrt(a * a + b * b + c * c), xx + yy + zz - 1.0)
-        out[CHUNK + i] = arctan2(c, xx + yy)
-        out[2 * CHUNK + i] = arctan2(math.sqrt(xz * xz + yz * yz), zz)
+        found = _angles_between(
+            _row(t, i, 0), _row(t, i, 1), _row(t, i, 2), _row(e, i, 0), _row(e, i, 1), _row(e, i, 2)
+        )
+        out[i], out[CHUNK + i], out[2 * CHUNK + i] = found
 
 
 @inlined
-def _product(e: Array, t: Array, i: int, row: int, column: int) -> float:
-    """Element of R_est R_true^T at sample i."""
-    j, k = 3 * row * CHUNK + i, 3 * column * CHUNK + i
-    return e[j] * t[k] + e[j + CHUNK] * t[k + CHUNK] + e[j + 2 * CHUNK] * t[k + 2 * CHUNK]
+def _row(m: Array, i: int, row: int) -> Vector:
+    """Of the matrix at sample i."""
+    k = 3 * row * CHUNK + i
+    return m[k], m[k + CHUNK], m[k + 2 * CHUNK]
+
+
+@inlined
+def _angles_between(tx: Vector, ty: Vector, tz: Vector, ex: Vector, ey: Vector, ez: Vector) -> Vector:
+    """Total, heading and inclination of E = R_est R_true^T, whose rows are given.
+
+    Heading is the twist about up of its quaternion, inclination the way of its third axis. With the quaternion
+    (w, x, y, z), E10 - E01 = 4 w z and E00 + E11 = 2 (w^2 - z^2), so that
+    heading = 2 atan(z / w) = atan2(E10 - E01, E00 + E11); and E22 = cos of the inclination.
+    """
+    xx, xy, xz = dot(ex, tx), dot(ex, ty), dot(ex, tz)
+    yx, yy, yz = dot(ey, tx), dot(ey, ty), dot(ey, tz)
+    zx, zy, zz = dot(ez, tx), dot(ez, ty), dot(ez, tz)
+    a, b, c = zy - yz, xz - zx, yx - xy
+    return (
+        arctan2(math.sqrt(a * a + b * b + c * c), xx + yy + zz - 1.0),
+        arctan2(c, xx + yy),
+        arctan2(math.sqrt(xz * xz + yz * yz), zz),
+    )
 
 
 @kernel
@@ -158,13 +188,13 @@ def _moments(angle: Array, x: Array) -> tuple[float, float, float]:
     """Root mean square, mean and largest of the magnitudes, which are put into `x`, deg."""
     wide_vectors()
     n = angle.shape[0]
-    sums, squares, largest = np.zeros(_LANES), np.zeros(_LANES), np.zeros(_LANES)
+    sums, squares, largest = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
     for k in range(n):
         x[k] = abs(angle[k]) * DEGREES
-    whole = n - n % _LANES
+    whole = n - n % LANES
     # The sums of every sixteenth sample: LLVM keeps the order of a sum, and one sum would wait for itself.
-    for k in range(0, whole, _LANES):
-        for j in range(_LANES):
+    for k in range(0, whole, LANES):
+        for j in range(LANES):
             value = x[k + j]
             sums[j] += value
             squares[j] += value * value

@@ -101,6 +101,9 @@ def argument(x: npt.ArrayLike) -> Array:
     return view
 
 
+LANES = 16
+"""Runs that go abreast, one in each lane of vector instructions: two vectors of 512 bits, or four of 256."""
+
 ROW = 768
 """Numbers in a row of three axes over and over: enough that a loop over one is worth its vectors."""
 
@@ -124,6 +127,19 @@ def inlined(function: _F) -> _F:
     numbers rather than arrays, whose reference counts cost more still (a filter step of 60 ns took 260).
     """
     return _compiled(function, forceinline=True)
+
+
+@cast(Any, intrinsic)
+def fused(context: Any, a: Any, b: Any, c: Any) -> Any:
+    """a b + c rounded once, as IEEE 754 defines it: the same bits everywhere, in one instruction instead of two.
+
+    Asked for by name where a polynomial is worth it; the compiler makes none by itself, or results would depend on it.
+    """
+
+    def generate(target: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.fma(*arguments)
+
+    return numba.types.float64(*[numba.types.float64] * 3), generate
 
 
 @cast(Any, intrinsic)

@@ -8,13 +8,14 @@ square root, which IEEE 754 defines to the last bit: the numbers are the same on
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from hashlib import blake2b
 
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.maths.kernels import kernel, wide_vectors
+from kreisel.maths.kernels import LANES, fused, inlined, kernel, wide_vectors
 from kreisel.maths.sincos import C0, C1, C2, C3, C4, C5, S0, S1, S2, S3, S4, S5
 
 Array = npt.NDArray[np.float64]
@@ -34,13 +35,21 @@ SPARE, SPACING = np.uint64(11), 2.0**-53
 # 64 random bits make two normals: the upper 40 a radius, the lower 24 an angle, whose uppermost two are its quadrant.
 # Half as many bits per normal as a float64 has take a third off the time, and leave a lattice of 2^64 points.
 RADIUS_SHIFT = np.uint64(24)
-SIGN, HALF, QUADRANT, ANGLE = np.uint64(63), np.uint64(23), np.uint64(22), np.uint64(2**22 - 1)
+SIGN, ANGLE = np.uint64(1 << 63), np.uint64(2**22 - 1)
+ODD, ODD_TO_SIGN, HALF_TO_SIGN = np.uint64(1 << 22), np.uint64(41), np.uint64(40)
 # The angles of a quadrant lie half a step off its middle on either side: no direction is favoured.
 HALF_ANGLE, ANGLE_STEP = 2.0**21 - 0.5, math.pi * 2.0**-23
 
 MANTISSA, EXPONENT_OF_ONE, EXPONENT_SHIFT = np.uint64(2**52 - 1), np.uint64(1023 << 52), np.uint64(52)
-LN2_HIGH, LN2_LOW = float.fromhex("0x1.62e42fee00000p-1"), 1.9082149292705877e-10
-SQRT2 = 1.4142135623730951
+LN2, SQRT2 = 0.6931471805599453, 1.4142135623730951
+
+# ln(1 + f) = f L(f) on [sqrt(1/2) - 1, sqrt 2 - 1]; L interpolates at the Chebyshev nodes and leaves 1.5e-14.
+L0, L1, L2 = 0.9999999999999978, -0.5000000000005124, 0.3333333333366278
+L3, L4, L5 = -0.24999999980097665, 0.19999999913523026, -0.16666668870064102
+L6, L7, L8 = 0.14285723158995764, -0.12499895335731784, 0.11110667407062838
+L9, L10, L11 = -0.1000239910190662, 0.091026777139586, -0.0830874085245487
+L12, L13, L14 = 0.07525682174652285, -0.07175470440668202, 0.07808645964311096
+L15, L16 = -0.07434589714878563, 0.03550255209682033
 
 CHUNK = 256
 """Philox blocks worked on at a time: the scratch of one chunk fits the first-level cache."""
@@ -90,6 +99,11 @@ def stream(seed: int, run: int, sensor: str, effect: str) -> Stream:
     return Stream(*words)
 
 
+def words_abreast(streams: Sequence[Stream]) -> Words:
+    """`Stream.words` of several streams side by side (4, streams), at their first samples."""
+    return np.stack([each.words(0) for each in streams], axis=1)
+
+
 def seed_from(rng: int | np.random.Generator) -> int:
     """`rng` itself when it is a seed, or one draw from it when it is a generator."""
     if isinstance(rng, np.random.Generator):
@@ -99,6 +113,21 @@ def seed_from(rng: int | np.random.Generator) -> int:
     raise TypeError(f"rng must be a seed, 0 or more, or a numpy.random.Generator; got {rng!r}.")
 
 
+@inlined
+def _rounds(
+    pair: np.uint64, channel: np.uint64, high: np.uint64, key_0: np.uint64, key_1: np.uint64
+) -> tuple[np.uint64, np.uint64]:
+    """Philox4x32-10 of the counter (pair, channel, high), as two 64-bit integers."""
+    w0, w1, w2, w3 = pair, pair >> WORD, channel, high
+    x, y = key_0 & LOW_WORD, key_1 & LOW_WORD
+    for _ in range(10):
+        # Upper halves are left to fill with rubbish: the SIMD product of 32-bit factors does not look at them.
+        p, q = MULTIPLIER_0 * (w0 & LOW_WORD), MULTIPLIER_1 * (w2 & LOW_WORD)
+        w0, w1, w2, w3 = (q >> WORD) ^ w1 ^ x, q, (p >> WORD) ^ w3 ^ y, p
+        x, y = (x + KEY_STEP_0) & LOW_WORD, (y + KEY_STEP_1) & LOW_WORD
+    return (w0 << WORD) | (w1 & LOW_WORD), (w2 << WORD) | (w3 & LOW_WORD)
+
+
 @kernel
 def philox(words: Words, pair: np.uint64, channel: np.uint64, a: Words, b: Words) -> None:
     """Philox4x32-10: two 64-bit integers a[k], b[k] for each counter (pair + k, channel, words[2]).
@@ -106,72 +135,73 @@ def philox(words: Words, pair: np.uint64, channel: np.uint64, a: Words, b: Words
     words: key, key and highest word of the counter; its two lowest words are pair + k. All are uint64.
     """
     wide_vectors()
-    k0, k1, high = words[0] & LOW_WORD, words[1] & LOW_WORD, words[2]
+    k0, k1, high = words[0], words[1], words[2]
     for k in range(a.shape[0]):
-        index = pair + np.uint64(k)
-        w0, w1, w2, w3 = index, index >> WORD, channel, high
-        x, y = k0, k1
-        for _ in range(10):
-            # Upper halves are left to fill with rubbish: the SIMD product of 32-bit factors does not look at them.
-            p, q = MULTIPLIER_0 * (w0 & LOW_WORD), MULTIPLIER_1 * (w2 & LOW_WORD)
-            w0, w1, w2, w3 = (q >> WORD) ^ w1 ^ x, q, (p >> WORD) ^ w3 ^ y, p
-            x, y = (x + KEY_STEP_0) & LOW_WORD, (y + KEY_STEP_1) & LOW_WORD
-        a[k], b[k] = (w0 << WORD) | (w1 & LOW_WORD), (w2 << WORD) | (w3 & LOW_WORD)
+        a[k], b[k] = _rounds(pair + np.uint64(k), channel, high, k0, k1)
 
 
 @kernel
-def _radius(x: Words, exponent: Words, scratch: Words, out: Array) -> None:
-    """out = sqrt(-2 ln u) for u = (x + 1) 2^-40 in (0, 1], x the upper 40 bits of each integer.
+def _philox_abreast(words: Words, pair: np.uint64, channel: np.uint64, a: Words, b: Words) -> None:
+    """`philox` of LANES streams, their words (4, n) repeated and the counters in their last row: LANES of each."""
+    wide_vectors()
+    k0, k1, high, pairs = words[0], words[1], words[2], words[3]
+    for k in range(a.shape[0]):
+        a[k], b[k] = _rounds(pair + pairs[k], channel, high[k], k0[k], k1[k])
 
-    u = 2^e m with m in [sqrt(1/2), sqrt 2]; ln m = 2 artanh s, s = (m - 1) / (m + 1), by its series, whose
-    first neglected term is below 4e-14 of the first.
+
+@kernel
+def _pairs(x: Words, scratch: Words, radius: Array, cosine: Array, sine: Array) -> None:
+    """The two normals of each integer: a radius from its upper 40 bits, an angle from its lower 24.
+
+    The radius is sqrt(-2 ln u) for u = (x + 1) 2^-40 in (0, 1]: u = 2^e m with m = 1 + f in [sqrt(1/2), sqrt 2], and
+    ln m = f times the series L. Of the angle the upper two bits are the quadrant and need no arithmetic; the others
+    are an angle in (-pi/4, pi/4).
     """
     wide_vectors()
-    m, bits = scratch.view(np.float64), out.view(np.uint64)
+    m, bits = scratch.view(np.float64), radius.view(np.uint64)
     for k in range(x.shape[0]):
-        out[k] = np.float64((x[k] >> RADIUS_SHIFT) + ONE)
+        radius[k] = np.float64((x[k] >> RADIUS_SHIFT) + ONE)
     for k in range(x.shape[0]):
         scratch[k] = (bits[k] & MANTISSA) | EXPONENT_OF_ONE
-        exponent[k] = bits[k] >> EXPONENT_SHIFT
     for k in range(x.shape[0]):
         large = 1.0 if m[k] > SQRT2 else 0.0
-        e = np.float64(exponent[k]) - 1063.0 + large
-        f = m[k] * (1.0 - 0.5 * large)
-        s = (f - 1.0) / (f + 1.0)
-        z = s * s
-        tail = 1 / 9 + z * (1 / 11 + z * (1 / 13 + z * (1 / 15)))
-        series = z * (1 / 3 + z * (1 / 5 + z * (1 / 7 + z * tail)))
-        log = e * LN2_HIGH + (e * LN2_LOW + (2.0 * s + 2.0 * s * series))
-        out[k] = np.sqrt(-2.0 * log)
-
-
-@kernel
-def _turn(x: Words, radius: Array, cosine: Array, sine: Array) -> None:
-    """Radius times cosine and sine of a uniform angle, from the lower 24 bits of each integer.
-
-    The upper two of them are the quadrant and need no arithmetic; the others are an angle in (-pi/4, pi/4).
-    """
-    wide_vectors()
+        e = np.float64(bits[k] >> EXPONENT_SHIFT) - 1063.0 + large
+        log = fused(e, LN2, _log_of(fused(m[k], -0.5 * large, m[k]) - 1.0))
+        r = np.sqrt(-2.0 * log)
+        angle = fused(np.float64(x[k] & ANGLE), ANGLE_STEP, -HALF_ANGLE * ANGLE_STEP)
+        c, s = _cosine_and_sine(angle)
+        c, s = r * c, r * s
+        cosine[k], sine[k] = (c, s) if x[k] & ODD == ZERO else (s, c)
     cosine_bits, sine_bits = cosine.view(np.uint64), sine.view(np.uint64)
     for k in range(x.shape[0]):
-        r = (np.float64(x[k] & ANGLE) - HALF_ANGLE) * ANGLE_STEP
-        z = r * r
-        s = radius[k] * (r + r * z * (S0 + z * (S1 + z * (S2 + z * (S3 + z * (S4 + z * S5))))))
-        c = radius[k] * (1.0 + z * (-0.5 + z * (C0 + z * (C1 + z * (C2 + z * (C3 + z * (C4 + z * C5)))))))
-        odd = (x[k] >> QUADRANT) & ONE
-        cosine[k], sine[k] = (c, s) if odd == ZERO else (s, c)
-    for k in range(x.shape[0]):
-        odd, half = (x[k] >> QUADRANT) & ONE, (x[k] >> HALF) & ONE
-        cosine_bits[k] ^= (odd ^ half) << SIGN
-        sine_bits[k] ^= half << SIGN
+        half = (x[k] << HALF_TO_SIGN) & SIGN
+        cosine_bits[k] ^= half ^ ((x[k] << ODD_TO_SIGN) & SIGN)
+        sine_bits[k] ^= half
+
+
+@inlined
+def _log_of(f: float) -> float:
+    """ln(1 + f) for f in [sqrt(1/2) - 1, sqrt 2 - 1], to 2e-14 of itself."""
+    tail = fused(f, fused(f, fused(f, fused(f, L16, L15), L14), L13), L12)
+    tail = fused(f, fused(f, fused(f, fused(f, tail, L11), L10), L9), L8)
+    tail = fused(f, fused(f, fused(f, fused(f, tail, L7), L6), L5), L4)
+    return f * fused(f, fused(f, fused(f, fused(f, tail, L3), L2), L1), L0)
+
+
+@inlined
+def _cosine_and_sine(r: float) -> tuple[float, float]:
+    """Of an angle r in [-pi/4, pi/4], by the polynomials of `sincos`."""
+    z = r * r
+    s = fused(z, fused(z, fused(z, fused(z, fused(z, S5, S4), S3), S2), S1), S0)
+    c = fused(z, fused(z, fused(z, fused(z, fused(z, C5, C4), C3), C2), C1), C0)
+    return fused(z, fused(z, c, -0.5), 1.0), fused(r * z, s, r)
 
 
 @kernel
 def fill_normals(words: Words, channel: int, out: Array) -> None:
     """`Stream.normals` by its `words`, into `out` (count, channels)."""
     wide_vectors()
-    x, exponent = np.empty(2 * CHUNK, np.uint64), np.empty(2 * CHUNK, np.uint64)
-    scratch, radius = np.empty(2 * CHUNK, np.uint64), np.empty(2 * CHUNK)
+    x, scratch, radius = np.empty(2 * CHUNK, np.uint64), np.empty(2 * CHUNK, np.uint64), np.empty(2 * CHUNK)
     cosine, sine = np.empty(2 * CHUNK), np.empty(2 * CHUNK)
     quad, skipped = words[3] // FOUR, np.int64(words[3] % FOUR)
     quads = (out.shape[0] + skipped + 3) // 4
@@ -179,10 +209,39 @@ def fill_normals(words: Words, channel: int, out: Array) -> None:
         n = min(CHUNK, quads - start)
         for c in range(out.shape[1]):
             philox(words, quad + np.uint64(start), np.uint64(channel + c), x[:n], x[n : 2 * n])
-            _radius(x[: 2 * n], exponent[: 2 * n], scratch[: 2 * n], radius[: 2 * n])
-            _turn(x[: 2 * n], radius[: 2 * n], cosine[: 2 * n], sine[: 2 * n])
+            _pairs(x[: 2 * n], scratch[: 2 * n], radius[: 2 * n], cosine[: 2 * n], sine[: 2 * n])
             _deal(cosine[:n], sine[:n], 4 * start - skipped, 4, out[:, c])
             _deal(cosine[n : 2 * n], sine[n : 2 * n], 4 * start - skipped + 2, 4, out[:, c])
+
+
+@kernel
+def add_normals_abreast(words: Words, channel: int, by: Array, row: int, readings: Array) -> None:
+    """Add `by` (n, channels) times the normals of LANES streams to rows from `row` on of readings (n, rows, LANES).
+
+    words : (4, LANES), the `words` of each stream, all with the same first sample; the numbers are those of `normals`.
+    """
+    wide_vectors()
+    x, scratch, radius = np.empty(2 * CHUNK, np.uint64), np.empty(2 * CHUNK, np.uint64), np.empty(2 * CHUNK)
+    normals, together = np.empty(4 * CHUNK), CHUNK // LANES
+    flat, rows, lanes = readings.reshape(-1), readings.shape[1], readings.shape[2]
+    spread = np.empty((4, CHUNK), np.uint64)
+    for k in range(CHUNK):
+        for i in range(3):
+            spread[i, k] = words[i, k % LANES]
+        spread[3, k] = np.uint64(k // LANES)
+    quad, skipped = words[3, 0] // FOUR, np.int64(words[3, 0] % FOUR)
+    for start in range(0, (by.shape[0] + skipped + 3) // 4, together):
+        for c in range(by.shape[1]):
+            _philox_abreast(spread, quad + np.uint64(start), np.uint64(channel + c), x[:CHUNK], x[CHUNK:])
+            _pairs(x, scratch, radius, normals[: 2 * CHUNK], normals[2 * CHUNK :])
+            first = 4 * start - skipped
+            for i in range(max(first, 0), min(first + 4 * together, by.shape[0])):
+                q, factor = i - first, by[i, c]
+                # Of what is unsigned the compiler knows that it does not count from the end.
+                source = np.uint64((q // 4) * LANES + (q % 4 // 2) * CHUNK + q % 2 * 2 * CHUNK)
+                place = np.uint64((i * rows + row + c) * LANES)
+                for lane in range(lanes):
+                    flat[place + np.uint64(lane)] += factor * normals[source + np.uint64(lane)]
 
 
 @kernel

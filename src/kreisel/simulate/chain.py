@@ -12,7 +12,7 @@ from kreisel.maths.kernels import argument, kernel
 from kreisel.maths.random import Stream
 from kreisel.simulate.clock import Rows
 from kreisel.simulate.context import Context
-from kreisel.simulate.effects import Effect, ManyEffect
+from kreisel.simulate.effects import Effect
 
 BLOCK = 8192
 """Samples per block: a block and its copies fit the second-level cache."""
@@ -76,26 +76,19 @@ def read(
     effects: Sequence[Effect],
     ideal: Array,
     contexts: Iterable[Context],
-    streams_of: Sequence[Callable[[str], Stream]],
+    stream_of: Callable[[str], Stream],
     out: Array,
 ) -> None:
-    """The readings that `sense` gives of the same in several runs, into `out` (runs, n, 3), and nothing beside them."""
-    acting = [(effect, [of(effect.name) for of in streams_of]) for effect in effects if not effect.idle]
-    states: list[list[Array]] = []
+    """The readings that `sense` gives, into `out` (n, 3), and nothing beside them."""
+    acting = [(effect, stream_of(effect.name)) for effect in effects if not effect.idle]
+    states: list[Array] = []
     for context in contexts:
-        states = states or [[effect.start(context, each) for each in streams] for effect, streams in acting]
+        states = states or [effect.start(context, stream) for effect, stream in acting]
         rows = slice(context.first, context.first + len(context.t))
-        found = out[:, rows]
-        blocks = np.broadcast_to(ideal[rows], found.shape)
-        for (effect, streams), known in zip(acting, states, strict=True):
-            if isinstance(effect, ManyEffect):
-                effect.apply_to_all(blocks, context, streams, found)
-            else:
-                for k, (block, stream) in enumerate(zip(blocks, streams, strict=True)):
-                    found[k] = effect.apply(known[k], block, context, stream)
-            blocks = found
-        if not acting:
-            found[:] = blocks
+        block = ideal[rows]
+        for state, (effect, stream) in zip(states, acting, strict=True):
+            block = effect.apply(state, block, context, stream)
+        out[rows] = block
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 import numpy as np
@@ -10,37 +10,84 @@ import numpy as np
 from kreisel.data.checks import Array
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
-from kreisel.maths.random import stream
+from kreisel.maths.kernels import LANES, argument, kernel
+from kreisel.maths.random import stream, words_abreast
 from kreisel.simulate.chain import read
 from kreisel.simulate.clock import spread
+from kreisel.simulate.effects import LaneEffect
 from kreisel.simulate.imu import Imu
-from kreisel.simulate.session import contexts_of, felt_by, parts_of
+from kreisel.simulate.session import SENSORS, blocks, contexts_of, felt_by, parts_of
+
+Draws = Sequence[tuple[int, int]]
+Fill = Callable[[slice, Array], None]
 
 
-def read_many(
-    imu: Imu,
-    motion: Motion,
-    ideal: ImuRecording,
-    draws: Sequence[tuple[int, int]],
-    out: Mapping[str, Array],
-) -> None:
-    """What `imu.record` measures in the runs `draws`, (seed, run) each: into `out`.
+def read_abreast(
+    imu: Imu, motion: Motion, ideal: ImuRecording, draws: Draws, room: Array
+) -> Iterator[tuple[slice, Array]]:
+    """What `imu.record` measures in the LANES runs `draws`, (seed, run) each: rows of the motion, and readings there.
 
-    ideal : what `imu.ideal(motion)` made. out : name of each sensor in it -> readings (runs, n, 3).
+    ideal : what `imu.ideal(motion)` made. room : (m, 9, LANES), takes gyro, accel and mag_uT of m samples at a time,
+    NaN where there is no sensor; readings are the part of it that those of `rows` fill.
     The stamps are those of the motion unless the clock errs. Raises ValueError as `record` does.
     """
     imu._check(motion)
-    for sensor, readings in out.items():
-        effects, sampling = parts_of(imu, sensor)
-        felt = felt_by(sampling, sensor, motion, ideal)
-        contexts = list(contexts_of(imu, sensor, motion, felt))
-        whole = isinstance(felt.rows, slice)
-        found = readings if whole else np.empty((len(draws), *felt.reading.shape))
-        streams_of = [partial(stream, seed, run, f"{imu.mount.name}/{sensor}") for seed, run in draws]
-        read(effects, felt.reading, contexts, streams_of, found)
-        for (seed, run), reading, mine in zip(draws, readings, found, strict=True):
-            if not whole:
-                reading[:] = spread(mine, felt.rows, len(motion))
-            if imu.clock.loss:
-                lost = imu.clock.lost(len(motion), stream(seed, run, imu.mount.name, "clock"))
-                reading[lost] = np.nan
+    room[:] = np.nan
+    n, there = len(motion), [sensor for sensor in SENSORS if getattr(ideal, sensor) is not None]
+    fills = [_fill(imu, sensor, motion, ideal, draws, len(room)) for sensor in there]
+    lost = [imu.clock.lost(n, stream(seed, run, imu.mount.name, "clock")) for seed, run in draws]
+    for rows in blocks(n, len(room)):
+        readings = room[: rows.stop - rows.start]
+        for fill in fills:
+            fill(rows, readings)
+        if imu.clock.loss:
+            for lane, mine in enumerate(lost):
+                readings[mine[rows], :, lane] = np.nan
+        yield rows, readings
+
+
+def _fill(imu: Imu, sensor: str, motion: Motion, ideal: ImuRecording, draws: Draws, samples: int) -> Fill:
+    """What puts the readings of one sensor into their places, asked for rows one after the other."""
+    effects, sampling = parts_of(imu, sensor)
+    felt, first = felt_by(sampling, sensor, motion, ideal), 3 * SENSORS.index(sensor)
+    streams_of = [partial(stream, seed, run, f"{imu.mount.name}/{sensor}") for seed, run in draws]
+    acting = [effect for effect in effects if not effect.idle]
+    together = [
+        (each, words_abreast([stream_of(each.name) for stream_of in streams_of]))
+        for each in acting
+        if isinstance(each, LaneEffect)
+    ]
+    if len(together) == len(acting) and isinstance(felt.rows, slice):
+        contexts = contexts_of(imu, sensor, motion, felt, block=samples)
+
+        def fill(rows: slice, readings: Array) -> None:
+            context = next(contexts)
+            _spread(argument(felt.reading[rows]), first, readings)
+            for effect, words in together:
+                words[3] = context.first
+                effect.apply_abreast(readings, first, context, words)
+
+        return fill
+    found, surroundings = np.empty((LANES, *felt.reading.shape)), list(contexts_of(imu, sensor, motion, felt))
+    for mine, stream_of in zip(found, streams_of, strict=True):
+        read(effects, felt.reading, surroundings, stream_of, mine)
+    whole = np.stack([spread(mine, felt.rows, len(motion)) for mine in found])
+    return lambda rows, readings: _beside(whole[:, rows], first, readings)
+
+
+@kernel
+def _spread(ideal: Array, first: int, readings: Array) -> None:
+    """Put what all runs share (n, 3) into rows from `first` on of readings (n, 9, LANES)."""
+    for i in range(ideal.shape[0]):
+        for c in range(3):
+            for lane in range(LANES):
+                readings[i, first + c, lane] = ideal[i, c]
+
+
+@kernel
+def _beside(found: Array, first: int, readings: Array) -> None:
+    """Put readings (LANES, n, 3) into rows from `first` on of readings (n, 9, LANES)."""
+    for lane in range(LANES):
+        for i in range(readings.shape[0]):
+            for c in range(3):
+                readings[i, first + c, lane] = found[lane, i, c]

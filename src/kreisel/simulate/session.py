@@ -158,25 +158,27 @@ def felt_by(
     return Felt(reading, rows, steps(motion.t[rows], last), ideal.accel[rows])
 
 
-def contexts_of(imu: Imu, sensor: str, motion: Motion, felt: Felt, count: int = 0) -> Iterator[Context]:
+def contexts_of(
+    imu: Imu, sensor: str, motion: Motion, felt: Felt, count: int = 0, block: int = BLOCK
+) -> Iterator[Context]:
     """What surrounds the blocks of what one sensor has felt, of which came `count` before."""
     t = motion.t[felt.rows]
-    for block in blocks(len(t)):
+    for rows in blocks(len(t), block):
         yield Context(
             sensor=sensor,
-            first=count + block.start,
-            t=t[block],
-            dt=felt.dt[block],
-            specific_force=felt.force[block],
+            first=count + rows.start,
+            t=t[rows],
+            dt=felt.dt[rows],
+            specific_force=felt.force[rows],
             environment=imu.environment,
             mount=imu.mount,
             body=motion,
-            rows=part(felt.rows, block),
+            rows=part(felt.rows, rows),
             history=imu.temperature,
             averaged=felt.averaged,
         )
 
 
-def blocks(n: int) -> Iterator[slice]:
-    """Rows of n samples that fit the second-level cache together with what is made of them."""
-    return (slice(first, min(first + BLOCK, n)) for first in range(0, n, BLOCK))
+def blocks(n: int, size: int = BLOCK) -> Iterator[slice]:
+    """Rows of n samples, so many at a time that they fit the second-level cache with what is made of them."""
+    return (slice(first, min(first + size, n)) for first in range(0, n, size))

@@ -107,14 +107,11 @@ class LaneFilter(Protocol):
         ...
 
     def batch_of_lanes(
-        self,
-        states: Array,
-        parameters: Array,
-        t: Array,
-        gyro: Array,
-        accel: Array,
-        mag: Array,
-        out: Columns,
+        self, states: Array, parameters: Array, dt: Array, readings: Array, answers: Array
     ) -> None:
-        """`batch` for so many states (lanes, STATE) with the same bits; all but t (n,) has the lanes in front."""
+        """The steps of `batch` for so many states (lanes, STATE), with the same bits; may be called block by block.
+
+        dt : (n,) s, since the sample before; 0 for the first of all. readings : (n, 9, lanes), gyro, accel and mag.
+        answers : (n, 9, lanes), takes R_NS row by row, or (n, 13, lanes), takes bias and flags as well.
+        """
         ...

@@ -6,11 +6,10 @@ with parameters at which it changes nothing; the contract tests use both.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import ClassVar, Protocol, runtime_checkable
 
 from kreisel.data.checks import Array
-from kreisel.maths.random import Stream
+from kreisel.maths.random import Stream, Words
 from kreisel.simulate.context import Context
 
 
@@ -46,11 +45,14 @@ class Effect(Protocol):
 
 
 @runtime_checkable
-class ManyEffect(Protocol):
-    """An Effect without state that can also act on several runs at once."""
+class LaneEffect(Protocol):
+    """An Effect without state that can also act on many runs abreast."""
 
-    def apply_to_all(self, blocks: Array, context: Context, streams: Sequence[Stream], out: Array) -> None:
-        """`apply` to the blocks (runs, n, 3) of several runs with a stream each, into `out`, which may be the same."""
+    def apply_abreast(self, readings: Array, row: int, context: Context, words: Words) -> None:
+        """`apply`, in place, to rows from `row` on of readings (n, 9, LANES), with the same bits.
+
+        words : (4, LANES), of the stream of each lane (`words_abreast`), at the first sample of the context.
+        """
         ...
 
 

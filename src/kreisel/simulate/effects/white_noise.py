@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -10,7 +9,7 @@ import numpy as np
 
 from kreisel.data.checks import Array, per_axis
 from kreisel.maths.kernels import argument, kernel, wide_vectors
-from kreisel.maths.random import CHUNK, Stream, Words, fill_normals
+from kreisel.maths.random import CHUNK, Stream, Words, add_normals_abreast, fill_normals
 from kreisel.simulate.context import Context
 
 # Samples whose normals are made at once: the first-level cache holds them.
@@ -48,14 +47,12 @@ class WhiteNoise:
     def apply(self, state: Array, block: Array, context: Context, stream: Stream) -> Array:
         """Block (n, 3) with noise added."""
         out = np.empty_like(block)
-        self.apply_to_all(block[None], context, [stream], out[None])
+        _add_noise(argument(block), stream.words(context.first), _deviations(context.dt, self.density), out)
         return out
 
-    def apply_to_all(self, blocks: Array, context: Context, streams: Sequence[Stream], out: Array) -> None:
-        """`apply` to the blocks (runs, n, 3) of several runs with a stream each, into `out`, which may be the same."""
-        deviations = _deviations(context.dt, self.density)
-        for block, stream, noisy in zip(blocks, streams, out, strict=True):
-            _add_noise(argument(block), stream.words(context.first), deviations, noisy)
+    def apply_abreast(self, readings: Array, row: int, context: Context, words: Words) -> None:
+        """`apply`, in place, to rows from `row` on of readings (n, 9, LANES)."""
+        add_normals_abreast(words, 0, _deviations(context.dt, self.density), row, readings)
 
     def allan_deviation(self, tau: Array) -> Array:
         """Allan deviation (m, 3) at averaging times tau (m,) s."""

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from kreisel.data.checks import Array
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
-from kreisel.evaluate.error_angles import rows_of
+from kreisel.maths.kernels import argument
 from kreisel.simulate.imu import Imu
 from kreisel.study.building import build
 from kreisel.study.scenario import EnvironmentRecipe, Scenario, TrajectoryRecipe
@@ -29,13 +29,13 @@ class Seen:
     imu: Imu
     ideal: ImuRecording
     truth: Motion
-    rows: Array  # the same attitude, as `error_angles` takes it
+    R_NS: Array  # (n, 9), the same attitude row by row
 
     @classmethod
     def of(cls, imu: Imu, motion: Motion) -> Seen:
         """What `imu` sees of a motion."""
         truth = motion.at(imu.mount)
-        return cls(imu, imu.ideal(motion), truth, rows_of(truth.R_NB))
+        return cls(imu, imu.ideal(motion), truth, argument(truth.R_NB.reshape(-1, 9)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

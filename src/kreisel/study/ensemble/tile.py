@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from threading import local
 from typing import Any, TypeVar
 
@@ -11,23 +11,20 @@ import numpy.typing as npt
 
 from kreisel.data.checks import Array
 from kreisel.data.motion import Motion
-from kreisel.estimate.answers import Columns
+from kreisel.estimate.abreast import AXES, READING, SAMPLES, steps
 from kreisel.estimate.filters import LaneFilter
-from kreisel.estimate.run import readings
-from kreisel.evaluate.error_angles import DEGREES, figures_into
-from kreisel.maths.kernels import argument
-from kreisel.simulate.imu import SENSORS
-from kreisel.simulate.many import read_many
+from kreisel.estimate.run import check_needs
+from kreisel.evaluate.error_angles import DEGREES, angles_abreast, figures_into
+from kreisel.maths.kernels import LANES, argument
+from kreisel.simulate.many import read_abreast
 from kreisel.study.ensemble.figures import FIGURES, KINDS, LIMIT_DEG, instants
 from kreisel.study.ensemble.stage import Seen
 from kreisel.study.run import first_attitude
 from kreisel.study.scenario import FilterRecipe, Scenario
-from kreisel.study.sensor import errs
 
-# Longest runs that go abreast: sixteen take 2.3 kB a sample.
+# Longest runs that go abreast: sixteen take 0.4 kB a sample of each filter, and as much where effects go one by one.
 LONGEST = 100_000
 
-Readings = dict[str, Array]  # name of the sensor -> (runs, n, 3)
 Made = TypeVar("Made")
 
 
@@ -53,55 +50,73 @@ class Scratch(local):
         return self.keep(name, shape, lambda: np.empty(shape))
 
 
-def abreast(recipe: FilterRecipe, filter: Any, seen: Seen) -> int:
-    """How many runs of this motion can go abreast through this filter with the bits of one; 1: none."""
+def abreast(recipe: FilterRecipe, filter: Any, seen: Seen) -> bool:
+    """Whether LANES runs of this motion can go abreast through this filter with the bits of one."""
     plain = recipe.align is None and recipe.clock_offset == 0.0 and not hasattr(filter, "sigma")
     # A clock that errs gives each run stamps of its own.
     imu = seen.imu
     in_time = imu.clock.offset == 0.0 and imu.clock.rate_offset == 0.0 and imu.clock.jitter == 0.0
     fits = plain and in_time and len(seen.ideal) <= LONGEST
-    return filter.lanes if fits and isinstance(filter, LaneFilter) else 1
+    return fits and isinstance(filter, LaneFilter) and filter.lanes == LANES
 
 
-def record(scratch: Scratch, seen: Seen, motion: Motion, runs: Sequence[Scenario]) -> Readings:
-    """What the IMU read in each run, the runs in front."""
-    names = [name for name in SENSORS if getattr(seen.ideal, name) is not None]
-    out = {name: scratch.array(name, len(runs), len(motion), 3) for name in names}
-    if errs(seen.imu):
-        read_many(seen.imu, motion, seen.ideal, [(run.seed, run.run) for run in runs], out)
-    else:
-        for name, readings in out.items():
-            readings[:] = getattr(seen.ideal, name)
-    return out
-
-
-def estimate(
-    scratch: Scratch, seen: Seen, recorded: Readings, recipes: Sequence[FilterRecipe], filter: Any, most: int
-) -> dict[str, npt.NDArray[Any]]:
-    """Figures (runs,) of one filter on as many runs as it has lanes, and "trace" (runs, 3, most)."""
-    return errors(scratch, seen, attitudes(scratch, seen, recorded, recipes, filter), most)
+def readings(
+    scratch: Scratch, seen: Seen, motion: Motion, runs: Sequence[Scenario]
+) -> Iterator[tuple[slice, Array]]:
+    """What the IMU read in LANES runs, abreast, some samples at a time."""
+    room = scratch.array("readings", SAMPLES, READING, LANES)
+    return read_abreast(seen.imu, motion, seen.ideal, [(run.seed, run.run) for run in runs], room)
 
 
 def attitudes(
-    scratch: Scratch, seen: Seen, recorded: Readings, recipes: Sequence[FilterRecipe], filter: Any
-) -> Array:
-    """R_NS (runs, n, 3, 3) of one filter on as many runs as it has lanes, in scratch."""
-    shape = recorded["gyro"].shape[:2]
-    like = (*shape, filter.learns_bias)
-    columns = scratch.keep("answers", like, lambda: Columns.room_for(filter, shape))
-    states = np.stack([filter.start(first_attitude(recipe, seen.truth)) for recipe in recipes])
-    sensors = readings(filter, seen.ideal.t, recorded["gyro"], recorded["accel"], recorded.get("mag_uT"))
-    filter.batch_of_lanes(states, filter.parameters(), *sensors, columns)
-    return columns.R_NS
+    scratch: Scratch,
+    seen: Seen,
+    filters: Sequence[tuple[Sequence[FilterRecipe], Any]],
+    read: Iterable[tuple[slice, Array]],
+) -> Iterator[tuple[slice, int, Array]]:
+    """Attitudes abreast (m, 9, LANES) of what was read, at rows of the motion, by one filter after the other."""
+    room, dt = scratch.array("answers", SAMPLES, AXES, LANES), steps(seen.ideal.t)
+    states = [
+        np.stack([filter.start(first_attitude(recipe, seen.truth)) for recipe in each])
+        for each, filter in filters
+    ]
+    parameters = [filter.parameters() for _, filter in filters]
+    for rows, readings in read:
+        answers = room[: rows.stop - rows.start]
+        for k, (_, filter) in enumerate(filters):
+            filter.batch_of_lanes(states[k], parameters[k], dt[rows], readings, answers)
+            yield rows, k, answers
 
 
-def errors(scratch: Scratch, seen: Seen, R_NS: Array, most: int) -> dict[str, npt.NDArray[Any]]:
-    """Figures (runs,) and trace of estimates R_NS (runs, n, 3, 3), with the bits that `attitude_errors` gives them."""
-    runs, n = R_NS.shape[:2]
-    numbers, traces = np.empty((runs, len(FIGURES))), np.empty((runs, len(KINDS), most), dtype=np.float32)
-    at, room = instants(n, most), scratch.array("errors", 2 * len(KINDS), n + 1)
-    truth, t = argument(seen.rows), argument(seen.truth.t)
-    for run in range(runs):
-        figures_into(truth, argument(R_NS[run]), t, LIMIT_DEG, room, numbers[run])
-        traces[run] = DEGREES * room[: len(KINDS), at]
+def estimates(
+    scratch: Scratch,
+    seen: Seen,
+    motion: Motion,
+    runs: Sequence[Scenario],
+    filters: Sequence[tuple[Sequence[FilterRecipe], Any]],
+    most: int,
+) -> list[dict[str, npt.NDArray[Any]]]:
+    """Of every filter figures (LANES,) and "trace" (LANES, 3, most), with the bits that `attitude_errors` gives them.
+
+    filters : with what each begins with in every run.
+    """
+    if seen.ideal.mag_uT is None:
+        for _, filter in filters:
+            check_needs(filter)
+    n = len(motion)
+    angles = scratch.array("angles", len(filters), LANES, len(KINDS), n)
+    read = readings(scratch, seen, motion, runs)
+    for rows, k, answers in attitudes(scratch, seen, filters, read):
+        angles_abreast(seen.R_NS[rows], answers, rows.start, angles[k])
+    return [_figures(scratch, seen, of_filter, most) for of_filter in angles]
+
+
+def _figures(scratch: Scratch, seen: Seen, angles: Array, most: int) -> dict[str, npt.NDArray[Any]]:
+    """Figures and traces of angles (LANES, 3, n) rad."""
+    n = angles.shape[2]
+    numbers, traces = np.empty((LANES, len(FIGURES))), np.empty((LANES, len(KINDS), most), dtype=np.float32)
+    at, room, t = instants(n, most), scratch.array("room", len(KINDS), n + 1), argument(seen.truth.t)
+    for lane, mine in enumerate(angles):
+        figures_into(mine, t, LIMIT_DEG, room, numbers[lane])
+        traces[lane] = DEGREES * mine[:, at]
     return {**{name: numbers[:, k] for k, name in enumerate(FIGURES)}, "trace": traces}

@@ -10,19 +10,17 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel.data.recording import ImuRecording
+from kreisel.maths.kernels import LANES
 from kreisel.study.ensemble.draws import Draws
 from kreisel.study.ensemble.figures import figures, trace
 from kreisel.study.ensemble.stage import Seen, Stage, Stages
-from kreisel.study.ensemble.tile import Scratch, abreast, estimate, record
+from kreisel.study.ensemble.tile import Scratch, abreast, estimates
 from kreisel.study.run import estimated
 from kreisel.study.scenario import FilterRecipe, Scenario
 from kreisel.study.sensor import errs
 
 Columns = dict[str, npt.NDArray[Any]]
 Group = tuple[Stage, list[Scenario]]
-
-LANES = 16
-"""Most runs that go through a filter abreast."""
 
 INSTANTS = 201
 """Of each run so many errors are kept over time."""
@@ -99,14 +97,12 @@ class Work:
         """Figures and traces of every filter on one IMU."""
         recipes = [[run.filters[k] for run in runs] for k in range(len(stage.filters))]
         pairs = list(zip(recipes, stage.filters, strict=True))
-        together = [len(runs) == abreast(each[0], filter, seen) > 1 for each, filter in pairs]
-        recorded = record(self._scratch, seen, stage.motion, runs) if any(together) else {}
+        together = [len(runs) == LANES and abreast(each[0], filter, seen) for each, filter in pairs]
+        tiled = [pair for pair, fits in zip(pairs, together, strict=True) if fits]
+        found = iter(estimates(self._scratch, seen, stage.motion, runs, tiled, INSTANTS) if tiled else [])
         alone = [] if all(together) else [_recording(seen, stage, run) for run in runs]
-        for (each, filter), tiled in zip(pairs, together, strict=True):
-            if tiled:
-                yield estimate(self._scratch, seen, recorded, each, filter, INSTANTS)
-            else:
-                yield _each(seen, alone, each, filter, INSTANTS)
+        for (each, filter), fits in zip(pairs, together, strict=True):
+            yield next(found) if fits else _each(seen, alone, each, filter, INSTANTS)
 
 
 def _recording(seen: Seen, stage: Stage, run: Scenario) -> ImuRecording:
@@ -118,7 +114,7 @@ def _recording(seen: Seen, stage: Stage, run: Scenario) -> ImuRecording:
 def _each(
     seen: Seen, recordings: Sequence[ImuRecording], recipes: Sequence[FilterRecipe], filter: Any, most: int
 ) -> Columns:
-    """The same as `estimate`, one run after the other, with any filter and recipe."""
+    """The same as `estimates`, one run after the other, with any filter and recipe."""
     rows: list[dict[str, Any]] = []
     for recipe, recording in zip(recipes, recordings, strict=True):
         made = estimated(recipe, filter, recording, seen.truth)

@@ -22,7 +22,7 @@ from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters.dcm import layout as at
 from kreisel.estimate.filters.dcm import published, published_lanes, step, step_lanes
 from kreisel.estimate.filters.dcm.covariance import GRAVITY
-from kreisel.estimate.filters.dcm.lanes import LANES
+from kreisel.maths.kernels import LANES
 from kreisel.maths.vectors import Array
 
 Mode = Literal["auto", "9", "6", "gyro"]
@@ -220,18 +220,11 @@ class DcmFilter:
         return 1 if self.published and (self.published.exact or self.published.rate_hz) else LANES
 
     def batch_of_lanes(
-        self,
-        states: Array,
-        parameters: Array,
-        t: Array,
-        gyro: Array,
-        accel: Array,
-        mag: Array,
-        out: Columns,
+        self, states: Array, parameters: Array, dt: Array, readings: Array, answers: Array
     ) -> None:
-        """`batch` for so many states (lanes, STATE) with the same bits; all but t (n,) has the lanes in front."""
+        """The steps of `batch` for so many states (lanes, STATE) with the same bits; see `LaneFilter`."""
         (published_lanes if self.published else step_lanes).batch_of_lanes(
-            states, parameters, t, gyro, accel, mag, out
+            states, parameters, dt, readings, answers
         )
 
 

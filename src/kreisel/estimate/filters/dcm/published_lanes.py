@@ -6,44 +6,38 @@ taken lane by lane.
 
 import numpy as np
 
-from kreisel.estimate.answers import Columns, of_lane, tell
+from kreisel.estimate.abreast import tell_abreast
 from kreisel.estimate.filters.dcm import layout as at
-from kreisel.estimate.filters.dcm.lanes import AXES, BLOCK, LANES, READING, gather, scatter
+from kreisel.estimate.filters.dcm.lanes import AXES, BLOCK, READING, ordinary
 from kreisel.estimate.filters.dcm.published import asked, moved, setting_of, step, waits, weights_of
-from kreisel.maths.kernels import inlined, kernel, wide_vectors
-from kreisel.maths.vectors import Array, Vector, dot, nearest_rotation, scaled
+from kreisel.maths.kernels import LANES, inlined, kernel, wide_vectors
+from kreisel.maths.vectors import Array, Vector, dot, load, nearest_rotation, scaled
 
 # A step of less than 0.009 rad, and axes that are askew by less than this, need no roots (see `moved`).
 _STEP2, _ASKEW = 0.8e-4, 1e-8
 
 
 @kernel
-def batch_of_lanes(
-    states: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, out: Columns
-) -> None:
+def batch_of_lanes(states: Array, params: Array, dt: Array, readings: Array, answers: Array) -> None:
     """The steps through all samples of LANES recordings, and what the states say after each.
 
-    states (LANES, STATE); t (n,); gyro, accel, mag (LANES, n, 3).
+    states (LANES, STATE); dt (n,); readings (n, 9, LANES); answers (n, 9 or 13, LANES).
     """
     wide_vectors()
-    axes, readings, answers = (
-        np.empty(2 * AXES * LANES),
-        np.empty(BLOCK * READING * LANES),
-        np.empty(BLOCK * AXES * LANES),
-    )
+    axes, flat = np.empty(2 * AXES * LANES), readings.reshape(-1)
     begun = False
     # What ordinary steps say.
-    out.rest[:], out.disturbed[:], out.held[:] = False, False, False
-    for k in range(0, t.shape[0], BLOCK):
-        steps = min(BLOCK, t.shape[0] - k)
+    answers[:, AXES:] = 0.0
+    for k in range(0, dt.shape[0], BLOCK):
+        end = min(k + BLOCK, dt.shape[0])
         begun = begun or _begun(states, params)
-        if gather(readings, t, gyro, accel, mag, k, steps) and begun:
+        block = flat[k * READING * LANES : end * READING * LANES]
+        if begun and ordinary(dt[k:end], block):
             _load_axes(axes, states)
-            _advance(axes, readings, answers, params, t, k, steps)
-            scatter(answers, out.R_NS, k, steps)
-            _store_axes(axes, readings, states, steps)
+            _advance(axes, dt[k:end], block, answers[k:end], params)
+            _store_axes(axes, block, states)
         else:
-            _lane_by_lane(states, params, t, gyro, accel, mag, k, steps, out)
+            _lane_by_lane(states, params, dt[k:end], readings[k:end], answers[k:end])
 
 
 @kernel
@@ -55,16 +49,16 @@ def _begun(states: Array, params: Array) -> bool:
 
 
 @kernel
-def _advance(s: Array, readings: Array, answers: Array, params: Array, t: Array, k: int, steps: int) -> None:
+def _advance(s: Array, dt: Array, readings: Array, answers: Array, params: Array) -> None:
     """Move the axes of all lanes through the steps, and put the rotations nearest to them into the answers."""
     wide_vectors()
     weights, setting = weights_of(params, 0.0), setting_of(params)
-    for i in range(steps):
-        dt = t[k + i] - t[k + i - 1]
+    flat, told = answers.reshape(-1), answers.shape[1]
+    for i in range(dt.shape[0]):
         r = readings[i * READING * LANES : (i + 1) * READING * LANES]
-        q = answers[i * AXES * LANES : (i + 1) * AXES * LANES]
-        if _move(s, r, q, weights, setting, dt, True) > 0:
-            _move(s, r, q, weights, setting, dt, False)
+        q = flat[i * told * LANES : (i * told + AXES) * LANES]
+        if _move(s, r, q, weights, setting, dt[i], True) > 0:
+            _move(s, r, q, weights, setting, dt[i], False)
         for j in range(AXES * LANES):
             s[j] = s[AXES * LANES + j]
 
@@ -104,33 +98,21 @@ def _load_axes(axes: Array, states: Array) -> None:
 
 
 @kernel
-def _store_axes(axes: Array, readings: Array, states: Array, steps: int) -> None:
+def _store_axes(axes: Array, readings: Array, states: Array) -> None:
     """Put the axes, and what the latest of these ordinary steps leaves behind, into the states."""
+    latest = readings[readings.shape[0] - READING * LANES :]
     for lane in range(LANES):
         for c in range(AXES):
             states[lane, at.R_NS + c] = axes[c * LANES + lane]
         for c in range(3):
-            states[lane, at.RATE + c] = readings[((steps - 1) * READING + c) * LANES + lane]
+            states[lane, at.RATE + c] = latest[c * LANES + lane]
         states[lane, at.FLAGS], states[lane, at.GAP] = states[lane, at.CALM], 0.0
 
 
 @kernel
-def _lane_by_lane(
-    states: Array,
-    params: Array,
-    t: Array,
-    gyro: Array,
-    accel: Array,
-    mag: Array,
-    k: int,
-    steps: int,
-    out: Columns,
-) -> None:
+def _lane_by_lane(states: Array, params: Array, dt: Array, readings: Array, answers: Array) -> None:
     for lane in range(LANES):
-        state, mine = states[lane], of_lane(out, lane)
-        for i in range(k, k + steps):
-            g = gyro[lane, i, 0], gyro[lane, i, 1], gyro[lane, i, 2]
-            a = accel[lane, i, 0], accel[lane, i, 1], accel[lane, i, 2]
-            m = mag[lane, i, 0], mag[lane, i, 1], mag[lane, i, 2]
-            step(state, params, g, a, m, t[i] - t[max(i - 1, 0)])
-            tell(state, mine, i)
+        for i in range(dt.shape[0]):
+            r = readings[i, :, lane]
+            step(states[lane], params, load(r, 0), load(r, 3), load(r, 6), dt[i])
+            tell_abreast(states[lane], answers, i, lane)

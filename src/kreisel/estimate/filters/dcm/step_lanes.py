@@ -9,12 +9,12 @@ import math
 
 import numpy as np
 
-from kreisel.estimate.answers import Columns, flags_of, of_lane, tell
+from kreisel.estimate.abreast import tell_abreast
 from kreisel.estimate.filters.dcm import layout as at
-from kreisel.estimate.filters.dcm.lanes import AXES, BLOCK, LANES, READING, gather, scatter
+from kreisel.estimate.filters.dcm.lanes import AXES, BLOCK, READING, ordinary
 from kreisel.estimate.filters.dcm.step import NO_FORCE, corrected, turned, update
 from kreisel.estimate.filters.dcm.window import close_window, is_over, next_part
-from kreisel.maths.kernels import inlined, kernel, wide_vectors
+from kreisel.maths.kernels import LANES, inlined, kernel, wide_vectors
 from kreisel.maths.vectors import NONE, Array, Rows, Vector, added, cross, dot, nearest_rotation, scaled
 
 # Places in the scratch, in units of LANES: what the steps between two closings of a window read and write. First what
@@ -69,40 +69,30 @@ _PLACES = np.concatenate(
 
 
 @kernel
-def batch_of_lanes(
-    states: Array, params: Array, t: Array, gyro: Array, accel: Array, mag: Array, out: Columns
-) -> None:
+def batch_of_lanes(states: Array, params: Array, dt: Array, readings: Array, answers: Array) -> None:
     """The steps through all samples of LANES recordings, and what the states say after each.
 
-    states (LANES, STATE); t (n,); gyro, accel, mag (LANES, n, 3).
+    states (LANES, STATE); dt (n,); readings (n, 9, LANES); answers (n, 9 or 13, LANES).
     """
-    s, readings = np.empty(_SIZE), np.empty(BLOCK * READING * LANES)
-    answers = np.empty(BLOCK * AXES * LANES)
-    out.rest[:], out.disturbed[:], out.held[:] = False, False, False
+    s, flat = np.empty(_SIZE), readings.reshape(-1)
     loaded = False
-    for k in range(0, t.shape[0], BLOCK):
-        steps = min(BLOCK, t.shape[0] - k)
-        ordinary = gather(readings, t, gyro, accel, mag, k, steps) and _no_pause(params, t, k, steps)
-        ordinary = ordinary and (_northed(states, params) or _blind(readings, steps))
-        if ordinary and (loaded or _together(states)):
+    for k in range(0, dt.shape[0], BLOCK):
+        end = min(k + BLOCK, dt.shape[0])
+        block = flat[k * READING * LANES : end * READING * LANES]
+        fine = ordinary(dt[k:end], block) and dt[k:end].max() <= params[at.HOLD]
+        fine = fine and (_northed(states, params) or _blind(block, end - k))
+        if fine and (loaded or _together(states)):
             if not loaded:
                 _load(s, states)
             loaded = True
-            _advance(s, states, readings, answers, params, t, k, steps, out)
+            _advance(s, states, dt[k:end], block, answers[k:end], params)
         else:
             if loaded:
                 _store(s, states)
             loaded = False
-            _lane_by_lane(states, params, t, gyro, accel, mag, k, steps, out)
-
-
-@kernel
-def _no_pause(params: Array, t: Array, k: int, steps: int) -> bool:
-    """Whether no step of the block is longer than a gyro sample holds."""
-    longest = 0.0
-    for i in range(k, k + steps):
-        longest = max(longest, t[i] - t[max(i - 1, 0)])
-    return longest <= params[at.HOLD]
+            _lane_by_lane(states, params, dt[k:end], readings[k:end], answers[k:end])
+    if loaded:
+        _store(s, states)
 
 
 @kernel
@@ -162,50 +152,47 @@ def _store(s: Array, states: Array) -> None:
 
 
 @kernel
-def _advance(
-    s: Array,
-    states: Array,
-    readings: Array,
-    answers: Array,
-    params: Array,
-    t: Array,
-    k: int,
-    steps: int,
-    out: Columns,
-) -> None:
-    """Take all lanes through a block of steps; the block is answered up to every closing of the window."""
+def _advance(s: Array, states: Array, dt: Array, readings: Array, answers: Array, params: Array) -> None:
+    """Take all lanes through a block of steps; bias and flags are told up to every closing of the window."""
     wide_vectors()
-    begin = 0
-    for i in range(steps):
-        dt = t[k + i] - t[k + i - 1]
+    flat, told, begin = answers.reshape(-1), answers.shape[1], 0
+    for i in range(dt.shape[0]):
         r = readings[i * READING * LANES : (i + 1) * READING * LANES]
-        q = answers[i * AXES * LANES : (i + 1) * AXES * LANES]
-        if _turn(s, r, q, params[at.CONING], dt, True) > 0:
-            _turn(s, r, q, params[at.CONING], dt, False)
-        _sum(s, r, dt)
-        s[_LENGTH] += dt
+        q = flat[i * told * LANES : (i * told + AXES) * LANES]
+        if _turn(s, r, q, params[at.CONING], dt[i], True) > 0:
+            _turn(s, r, q, params[at.CONING], dt[i], False)
+        _sum(s, r, dt[i])
+        s[_LENGTH] += dt[i]
         if s[_LENGTH] > s[_NEXT_PART]:
             _close_part(s, s[_LENGTH] - s[_SUMMED_LENGTH])
             s[_SUMMED_LENGTH] = s[_LENGTH]
             if is_over(s[_LENGTH], params):
-                _answer(s, states, answers, out, k, begin, i + 1)
+                _tell_what_lasts(s, states, answers[begin:i])
                 begin = i + 1
-                _close_windows(s, states, params, out, k + i)
+                _close_windows(s, states, params, answers, i)
             s[_NEXT_PART] = next_part(s[_LENGTH], params)
-    _answer(s, states, answers, out, k, begin, steps)
+    _tell_what_lasts(s, states, answers[begin:])
 
 
 @kernel
-def _close_windows(s: Array, states: Array, params: Array, out: Columns, k: int) -> None:
-    """Close the windows of all lanes with sample k, and answer it anew."""
+def _close_windows(s: Array, states: Array, params: Array, answers: Array, i: int) -> None:
+    """Close the windows of all lanes with sample i, and answer it anew."""
     _store(s, states)
     for lane in range(LANES):
         close_window(states[lane], params)
-        mine = of_lane(out, lane)
-        tell(states[lane], mine, k)
-        for c in range(3):
-            mine.gyro_bias[k, c] = states[lane, at.GYRO_BIAS + c]
+        tell_abreast(states[lane], answers, i, lane)
     _load(s, states)
+
+
+@kernel
+def _tell_what_lasts(s: Array, states: Array, answers: Array) -> None:
+    """Put bias and flags, which change as a window closes, into answers that have room for them."""
+    if answers.shape[1] > AXES:
+        for i in range(answers.shape[0]):
+            for lane in range(LANES):
+                for c in range(3):
+                    answers[i, at.GYRO_BIAS + c, lane] = s[(_BIAS + c) * LANES + lane]
+                answers[i, at.FLAGS, lane] = states[lane, at.CALM]
 
 
 @inlined
@@ -286,42 +273,11 @@ def _close_part(s: Array, dt: float) -> None:
 
 
 @kernel
-def _answer(s: Array, states: Array, answers: Array, out: Columns, k: int, begin: int, end: int) -> None:
-    """Put what the steps from `begin` to `end` of the block at sample k say into their rows."""
-    scatter(answers[begin * AXES * LANES :], out.R_NS, k + begin, end - begin)
+def _lane_by_lane(states: Array, params: Array, dt: Array, readings: Array, answers: Array) -> None:
     for lane in range(LANES):
-        bias = s[_BIAS * LANES + lane], s[(_BIAS + 1) * LANES + lane], s[(_BIAS + 2) * LANES + lane]
-        rows = out.gyro_bias[lane, k + begin : k + end]
-        for i in range(end - begin):
-            rows[i, 0], rows[i, 1], rows[i, 2] = bias
-        if states[lane, at.CALM] != 0.0:
-            rest, disturbed, held = flags_of(states[lane, at.CALM])
-            for i in range(k + begin, k + end):
-                out.rest[lane, i], out.disturbed[lane, i], out.held[lane, i] = rest, disturbed, held
-
-
-@kernel
-def _lane_by_lane(
-    states: Array,
-    params: Array,
-    t: Array,
-    gyro: Array,
-    accel: Array,
-    mag: Array,
-    k: int,
-    steps: int,
-    out: Columns,
-) -> None:
-    sample = np.empty(READING)
-    for lane in range(LANES):
-        state, mine = states[lane], of_lane(out, lane)
-        for i in range(k, k + steps):
-            for c in range(3):
-                sample[c], sample[3 + c], sample[6 + c] = gyro[lane, i, c], accel[lane, i, c], mag[lane, i, c]
-            update(state, params, sample, t[i] - t[max(i - 1, 0)])
-            tell(state, mine, i)
-            for c in range(3):
-                mine.gyro_bias[i, c] = state[at.GYRO_BIAS + c]
+        for i in range(dt.shape[0]):
+            update(states[lane], params, readings[i, :, lane].copy(), dt[i])
+            tell_abreast(states[lane], answers, i, lane)
 
 
 @inlined
