@@ -152,7 +152,7 @@ def ours_without_errors(work: Work, scratch: Scratch) -> None:
     for first in range(0, work.runs - LANES + 1, LANES):
         runs = [draws.of(run) for run in range(first, first + LANES)]
         read = readings(scratch, seen, stage.motion, runs)
-        for _ in attitudes(scratch, seen, [([run.filters[0] for run in runs], filter)], read):
+        for _ in attitudes(scratch, seen, [([each.filters[0] for each in runs], filter)], read):
             pass
 
 

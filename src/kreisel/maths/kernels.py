@@ -18,6 +18,7 @@ from typing import Any, TypeVar, cast
 import numba
 import numpy as np
 import numpy.typing as npt
+from llvmlite import ir
 from numba.extending import intrinsic
 
 from kreisel.maths.sources import stamp
@@ -140,6 +141,36 @@ def fused(context: Any, a: Any, b: Any, c: Any) -> Any:
         return builder.fma(*arguments)
 
     return numba.types.float64(*[numba.types.float64] * 3), generate
+
+
+@cast(Any, intrinsic)
+def put_in_lanes(context: Any, out: Any, place: Any, a: Any, b: Any, x: Any, source: Any) -> Any:
+    """out[place + j] = a + b x[source + j] for all LANES; of flat arrays whose ends nobody checks.
+
+    LLVM makes scalars of a loop so short: it unrolls it, and then cannot know that `out` and `x` are two arrays.
+    """
+
+    def generate(target: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        lanes = ir.VectorType(ir.DoubleType(), LANES)
+
+        def at(array: int, index: Any) -> Any:
+            data = target.make_array(signature.args[array])(target, builder, arguments[array]).data
+            return builder.bitcast(builder.gep(data, [index]), lanes.as_pointer())
+
+        def all_over(number: Any) -> Any:
+            one = builder.insert_element(
+                ir.Constant(lanes, ir.Undefined), number, ir.Constant(ir.IntType(32), 0)
+            )
+            mask = ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES)
+            return builder.shuffle_vector(one, ir.Constant(lanes, ir.Undefined), mask)
+
+        _, index, shift, factor, _, begin = arguments
+        product = builder.fmul(all_over(factor), builder.load(at(4, begin), align=8))
+        builder.store(builder.fadd(all_over(shift), product), at(0, index), align=8)
+        return target.get_dummy_value()
+
+    flat, index, number = numba.types.Array(numba.float64, 1, "C"), numba.types.intp, numba.types.float64
+    return numba.types.none(flat, index, number, number, flat, index), generate
 
 
 @cast(Any, intrinsic)

@@ -15,7 +15,7 @@ from hashlib import blake2b
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.maths.kernels import LANES, fused, inlined, kernel, wide_vectors
+from kreisel.maths.kernels import LANES, fused, inlined, kernel, put_in_lanes, wide_vectors
 from kreisel.maths.sincos import C0, C1, C2, C3, C4, C5, S0, S1, S2, S3, S4, S5
 
 Array = npt.NDArray[np.float64]
@@ -215,33 +215,31 @@ def fill_normals(words: Words, channel: int, out: Array) -> None:
 
 
 @kernel
-def add_normals_abreast(words: Words, channel: int, by: Array, row: int, readings: Array) -> None:
-    """Add `by` (n, channels) times the normals of LANES streams to rows from `row` on of readings (n, rows, LANES).
+def normals_abreast(words: Words, channel: int, shared: Array, by: Array, row: int, out: Array) -> None:
+    """shared + by times the normals of LANES streams, into rows from `row` on of `out` (n, rows, LANES).
 
     words : (4, LANES), the `words` of each stream, all with the same first sample; the numbers are those of `normals`.
+    shared, by : (n, channels).
     """
     wide_vectors()
     x, scratch, radius = np.empty(2 * CHUNK, np.uint64), np.empty(2 * CHUNK, np.uint64), np.empty(2 * CHUNK)
     normals, together = np.empty(4 * CHUNK), CHUNK // LANES
-    flat, rows, lanes = readings.reshape(-1), readings.shape[1], readings.shape[2]
+    flat, rows, n = out.reshape(-1), out.shape[1], out.shape[0]
     spread = np.empty((4, CHUNK), np.uint64)
     for k in range(CHUNK):
         for i in range(3):
             spread[i, k] = words[i, k % LANES]
         spread[3, k] = np.uint64(k // LANES)
     quad, skipped = words[3, 0] // FOUR, np.int64(words[3, 0] % FOUR)
-    for start in range(0, (by.shape[0] + skipped + 3) // 4, together):
+    for start in range(0, (n + skipped + 3) // 4, together):
+        first = 4 * start - skipped
         for c in range(by.shape[1]):
             _philox_abreast(spread, quad + np.uint64(start), np.uint64(channel + c), x[:CHUNK], x[CHUNK:])
             _pairs(x, scratch, radius, normals[: 2 * CHUNK], normals[2 * CHUNK :])
-            first = 4 * start - skipped
-            for i in range(max(first, 0), min(first + 4 * together, by.shape[0])):
-                q, factor = i - first, by[i, c]
-                # Of what is unsigned the compiler knows that it does not count from the end.
-                source = np.uint64((q // 4) * LANES + (q % 4 // 2) * CHUNK + q % 2 * 2 * CHUNK)
-                place = np.uint64((i * rows + row + c) * LANES)
-                for lane in range(lanes):
-                    flat[place + np.uint64(lane)] += factor * normals[source + np.uint64(lane)]
+            for i in range(max(first, 0), min(first + 4 * together, n)):
+                q, number = (i - first) // 4, (i - first) % 4
+                source = q * LANES + number // 2 * CHUNK + number % 2 * 2 * CHUNK
+                put_in_lanes(flat, (i * rows + row + c) * LANES, shared[i, c], by[i, c], normals, source)
 
 
 @kernel

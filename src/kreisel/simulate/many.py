@@ -32,17 +32,19 @@ def read_abreast(
     The stamps are those of the motion unless the clock errs. Raises ValueError as `record` does.
     """
     imu._check(motion)
-    room[:] = np.nan
     n, there = len(motion), [sensor for sensor in SENSORS if getattr(ideal, sensor) is not None]
+    for k, sensor in enumerate(SENSORS):
+        if sensor not in there:
+            room[:, 3 * k : 3 * k + 3] = np.nan
     fills = [_fill(imu, sensor, motion, ideal, draws, len(room)) for sensor in there]
-    lost = [imu.clock.lost(n, stream(seed, run, imu.mount.name, "clock")) for seed, run in draws]
+    clocks = [stream(seed, run, imu.mount.name, "clock") for seed, run in draws if imu.clock.loss]
+    lost = [imu.clock.lost(n, each) for each in clocks]
     for rows in blocks(n, len(room)):
         readings = room[: rows.stop - rows.start]
         for fill in fills:
             fill(rows, readings)
-        if imu.clock.loss:
-            for lane, mine in enumerate(lost):
-                readings[mine[rows], :, lane] = np.nan
+        for lane, mine in enumerate(lost):
+            readings[mine[rows], :, lane] = np.nan
         yield rows, readings
 
 
@@ -52,20 +54,15 @@ def _fill(imu: Imu, sensor: str, motion: Motion, ideal: ImuRecording, draws: Dra
     felt, first = felt_by(sampling, sensor, motion, ideal), 3 * SENSORS.index(sensor)
     streams_of = [partial(stream, seed, run, f"{imu.mount.name}/{sensor}") for seed, run in draws]
     acting = [effect for effect in effects if not effect.idle]
-    together = [
-        (each, words_abreast([stream_of(each.name) for stream_of in streams_of]))
-        for each in acting
-        if isinstance(each, LaneEffect)
-    ]
-    if len(together) == len(acting) and isinstance(felt.rows, slice):
-        contexts = contexts_of(imu, sensor, motion, felt, block=samples)
+    if isinstance(felt.rows, slice) and not acting:
+        return lambda rows, readings: _spread(argument(felt.reading[rows]), first, readings)
+    if isinstance(felt.rows, slice) and len(acting) == 1 and isinstance(acting[0], LaneEffect):
+        (effect,), contexts = acting, contexts_of(imu, sensor, motion, felt, block=samples)
+        words = words_abreast([stream_of(effect.name) for stream_of in streams_of])
 
         def fill(rows: slice, readings: Array) -> None:
-            context = next(contexts)
-            _spread(argument(felt.reading[rows]), first, readings)
-            for effect, words in together:
-                words[3] = context.first
-                effect.apply_abreast(readings, first, context, words)
+            words[3] = rows.start
+            effect.apply_abreast(felt.reading[rows], next(contexts), words, first, readings)
 
         return fill
     found, surroundings = np.empty((LANES, *felt.reading.shape)), list(contexts_of(imu, sensor, motion, felt))

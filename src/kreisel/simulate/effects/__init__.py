@@ -46,10 +46,10 @@ class Effect(Protocol):
 
 @runtime_checkable
 class LaneEffect(Protocol):
-    """An Effect without state that can also act on many runs abreast."""
+    """An Effect without state that can also make the readings of many runs, abreast, of the one that all share."""
 
-    def apply_abreast(self, readings: Array, row: int, context: Context, words: Words) -> None:
-        """`apply`, in place, to rows from `row` on of readings (n, 9, LANES), with the same bits.
+    def apply_abreast(self, block: Array, context: Context, words: Words, row: int, out: Array) -> None:
+        """`apply` to `block` (n, 3) with the stream of each lane, into rows from `row` on of `out` (n, 9, LANES).
 
         words : (4, LANES), of the stream of each lane (`words_abreast`), at the first sample of the context.
         """

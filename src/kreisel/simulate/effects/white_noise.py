@@ -9,7 +9,7 @@ import numpy as np
 
 from kreisel.data.checks import Array, per_axis
 from kreisel.maths.kernels import argument, kernel, wide_vectors
-from kreisel.maths.random import CHUNK, Stream, Words, add_normals_abreast, fill_normals
+from kreisel.maths.random import CHUNK, Stream, Words, fill_normals, normals_abreast
 from kreisel.simulate.context import Context
 
 # Samples whose normals are made at once: the first-level cache holds them.
@@ -50,9 +50,9 @@ class WhiteNoise:
         _add_noise(argument(block), stream.words(context.first), _deviations(context.dt, self.density), out)
         return out
 
-    def apply_abreast(self, readings: Array, row: int, context: Context, words: Words) -> None:
-        """`apply`, in place, to rows from `row` on of readings (n, 9, LANES)."""
-        add_normals_abreast(words, 0, _deviations(context.dt, self.density), row, readings)
+    def apply_abreast(self, block: Array, context: Context, words: Words, row: int, out: Array) -> None:
+        """`apply` to `block` (n, 3) with the stream of each lane, into rows from `row` on of `out` (n, 9, LANES)."""
+        normals_abreast(words, 0, argument(block), _deviations(context.dt, self.density), row, out)
 
     def allan_deviation(self, tau: Array) -> Array:
         """Allan deviation (m, 3) at averaging times tau (m,) s."""

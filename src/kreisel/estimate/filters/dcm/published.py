@@ -103,7 +103,7 @@ def asked(
 def moved(rows: Rows, askew: float, dtheta: Vector, near: bool = False) -> Rows:
     """The axes moved by dtheta x r, corrected by half of what they lack to a right angle and made unit vectors.
 
-    near : abs(dtheta) is below 0.009.
+    near : abs(dtheta) is below 0.028.
     """
     # East is -J: what moves or corrects J does the same to it.
     east, north, _ = rows

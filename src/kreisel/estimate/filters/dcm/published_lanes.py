@@ -13,8 +13,8 @@ from kreisel.estimate.filters.dcm.published import asked, moved, setting_of, ste
 from kreisel.maths.kernels import LANES, inlined, kernel, wide_vectors
 from kreisel.maths.vectors import Array, Vector, dot, load, nearest_rotation, scaled
 
-# A step of less than 0.009 rad, and axes that are askew by less than this, need no roots (see `moved`).
-_STEP2, _ASKEW = 0.8e-4, 1e-8
+# A step of less than 0.028 rad, and axes that are askew by less than this, need no roots (see `moved`).
+_STEP2, _ASKEW = 0.8e-3, 1e-8
 
 
 @kernel
