@@ -151,7 +151,7 @@ def ours_without_errors(work: Work, scratch: Scratch) -> None:
     (seen,), (filter,) = stage.seen, stage.filters
     for first in range(0, work.runs - LANES + 1, LANES):
         runs = [draws.of(run) for run in range(first, first + LANES)]
-        read = readings(scratch, seen, stage.motion, runs)
+        read = readings(scratch, seen, runs)
         for _ in attitudes(scratch, seen, [([each.filters[0] for each in runs], filter)], read):
             pass
 

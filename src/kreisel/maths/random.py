@@ -119,12 +119,12 @@ def _rounds(
 ) -> tuple[np.uint64, np.uint64]:
     """Philox4x32-10 of the counter (pair, channel, high), as two 64-bit integers."""
     w0, w1, w2, w3 = pair, pair >> WORD, channel, high
-    x, y = key_0 & LOW_WORD, key_1 & LOW_WORD
+    x, y = key_0, key_1
     for _ in range(10):
         # Upper halves are left to fill with rubbish: the SIMD product of 32-bit factors does not look at them.
         p, q = MULTIPLIER_0 * (w0 & LOW_WORD), MULTIPLIER_1 * (w2 & LOW_WORD)
         w0, w1, w2, w3 = (q >> WORD) ^ w1 ^ x, q, (p >> WORD) ^ w3 ^ y, p
-        x, y = (x + KEY_STEP_0) & LOW_WORD, (y + KEY_STEP_1) & LOW_WORD
+        x, y = x + KEY_STEP_0, y + KEY_STEP_1
     return (w0 << WORD) | (w1 & LOW_WORD), (w2 << WORD) | (w3 & LOW_WORD)
 
 

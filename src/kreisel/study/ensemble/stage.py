@@ -11,8 +11,10 @@ from typing import Any, TypeVar
 from kreisel.data.checks import Array
 from kreisel.data.motion import Motion
 from kreisel.data.recording import ImuRecording
+from kreisel.estimate.abreast import SAMPLES
 from kreisel.maths.kernels import argument
 from kreisel.simulate.imu import Imu
+from kreisel.simulate.many import Abreast
 from kreisel.study.building import build
 from kreisel.study.scenario import EnvironmentRecipe, Scenario, TrajectoryRecipe
 
@@ -30,12 +32,16 @@ class Seen:
     ideal: ImuRecording
     truth: Motion
     R_NS: Array  # (n, 9), the same attitude row by row
+    abreast: Abreast  # what reads several runs at once
 
     @classmethod
     def of(cls, imu: Imu, motion: Motion) -> Seen:
         """What `imu` sees of a motion."""
         truth = motion.at(imu.mount)
-        return cls(imu, imu.ideal(motion), truth, argument(truth.R_NB.reshape(-1, 9)))
+        ideal = imu.ideal(motion)
+        return cls(
+            imu, ideal, truth, argument(truth.R_NB.reshape(-1, 9)), Abreast(imu, motion, ideal, SAMPLES)
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

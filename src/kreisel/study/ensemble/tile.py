@@ -10,13 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel.data.checks import Array
-from kreisel.data.motion import Motion
 from kreisel.estimate.abreast import AXES, READING, SAMPLES, steps
 from kreisel.estimate.filters import LaneFilter
 from kreisel.estimate.run import check_needs
 from kreisel.evaluate.error_angles import DEGREES, angles_abreast, figures_into
 from kreisel.maths.kernels import LANES, argument
-from kreisel.simulate.many import read_abreast
 from kreisel.study.ensemble.figures import FIGURES, KINDS, LIMIT_DEG, instants
 from kreisel.study.ensemble.stage import Seen
 from kreisel.study.run import first_attitude
@@ -60,12 +58,10 @@ def abreast(recipe: FilterRecipe, filter: Any, seen: Seen) -> bool:
     return fits and isinstance(filter, LaneFilter) and filter.lanes == LANES
 
 
-def readings(
-    scratch: Scratch, seen: Seen, motion: Motion, runs: Sequence[Scenario]
-) -> Iterator[tuple[slice, Array]]:
+def readings(scratch: Scratch, seen: Seen, runs: Sequence[Scenario]) -> Iterator[tuple[slice, Array]]:
     """What the IMU read in LANES runs, abreast, some samples at a time."""
     room = scratch.array("readings", SAMPLES, READING, LANES)
-    return read_abreast(seen.imu, motion, seen.ideal, [(run.seed, run.run) for run in runs], room)
+    return seen.abreast.read([(run.seed, run.run) for run in runs], room)
 
 
 def attitudes(
@@ -91,7 +87,6 @@ def attitudes(
 def estimates(
     scratch: Scratch,
     seen: Seen,
-    motion: Motion,
     runs: Sequence[Scenario],
     filters: Sequence[tuple[Sequence[FilterRecipe], Any]],
     most: int,
@@ -103,9 +98,9 @@ def estimates(
     if seen.ideal.mag_uT is None:
         for _, filter in filters:
             check_needs(filter)
-    n = len(motion)
+    n = len(seen.ideal)
     angles = scratch.array("angles", len(filters), LANES, len(KINDS), n)
-    read = readings(scratch, seen, motion, runs)
+    read = readings(scratch, seen, runs)
     for rows, k, answers in attitudes(scratch, seen, filters, read):
         angles_abreast(seen.R_NS[rows], answers, rows.start, angles[k])
     return [_figures(scratch, seen, of_filter, most) for of_filter in angles]

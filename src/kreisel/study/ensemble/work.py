@@ -74,7 +74,8 @@ class Work:
         group: list[Scenario] = []
         on: Stage | None = None
         for run in runs:
-            scenario, stage = self._staged(draws, run)
+            # What nothing is drawn for is the same in every run.
+            scenario, stage = self._staged(draws, run) if on is None or draws.inputs else (draws.of(run), on)
             if on is not None and (stage != on or len(group) == LANES):
                 yield on, group
                 group = []
@@ -99,7 +100,7 @@ class Work:
         pairs = list(zip(recipes, stage.filters, strict=True))
         together = [len(runs) == LANES and abreast(each[0], filter, seen) for each, filter in pairs]
         tiled = [pair for pair, fits in zip(pairs, together, strict=True) if fits]
-        found = iter(estimates(self._scratch, seen, stage.motion, runs, tiled, INSTANTS) if tiled else [])
+        found = iter(estimates(self._scratch, seen, runs, tiled, INSTANTS) if tiled else [])
         alone = [] if all(together) else [_recording(seen, stage, run) for run in runs]
         for (each, filter), fits in zip(pairs, together, strict=True):
             yield next(found) if fits else _each(seen, alone, each, filter, INSTANTS)
