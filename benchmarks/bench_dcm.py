@@ -23,6 +23,8 @@ import numpy as np
 from vqf import VQF
 
 from kreisel import DcmFilter, ImuRecording, Stream, run
+from kreisel.estimate.abreast import SAMPLES, TOLD
+from kreisel.estimate.abreast import steps as between
 from kreisel.estimate.answers import Columns
 from kreisel.estimate.batch import run_batch
 from kreisel.estimate.filters import AttitudeFilter
@@ -62,13 +64,15 @@ def stepping(filter: AttitudeFilter, t: np.ndarray, data: Readings) -> Callable[
 def abreast(filter: DcmFilter, t: np.ndarray, data: Readings) -> Callable[[], None]:
     """The steps of SEQUENCES alone, as many at a time as there are lanes, into memory that is there."""
     count = filter.lanes
-    inputs = [argument(t)] + [argument(np.stack([x] * count)) for x in data]
-    out = Columns.of((count, len(t)), filter.learns_bias)
+    readings = np.repeat(np.concatenate(data, axis=1)[:, :, None], count, axis=2)
+    dt, answers = between(t), np.empty((len(t), TOLD, count))
 
     def steps() -> None:
         for _ in range(SEQUENCES // count):
             states = np.stack([filter.start()] * count)
-            filter.batch_of_lanes(states, filter.parameters(), *inputs, out)
+            for first in range(0, len(t), SAMPLES):
+                rows = slice(first, first + SAMPLES)
+                filter.batch_of_lanes(states, filter.parameters(), dt[rows], readings[rows], answers[rows])
 
     return steps
 

@@ -12,6 +12,8 @@ from kreisel.estimate.answers import Columns, flags_of
 from kreisel.maths.kernels import LANES, argument, inlined, kernel
 from kreisel.maths.vectors import Array, dot, load, nearest_rotation
 
+# Constants all of them: of places that it cannot compare the compiler assumes the worst, and takes lane by lane what
+# they hold.
 READING = 9
 """Rows of readings: gyro, accel, mag."""
 
@@ -20,6 +22,9 @@ AXES = 9
 
 TOLD = at.FLAGS + 1
 """Rows of answers with them."""
+
+BLOCK = 16
+"""Samples that are brought from rows into lanes at a time: whole lines of memory, and all in the first-level cache."""
 
 SAMPLES = 512
 """Samples that go through several kernels at a time: readings and answers of so many stay in the second-level cache."""
@@ -31,40 +36,51 @@ def steps(t: Array) -> Array:
 
 
 @kernel
-def gather(gyro: Array, accel: Array, mag: Array, readings: Array) -> None:
-    """Put readings (LANES, n, 3) beside each other."""
-    for lane in range(LANES):
-        g, a, m = gyro[lane], accel[lane], mag[lane]
-        for i in range(readings.shape[0]):
-            for c in range(3):
-                readings[i, c, lane], readings[i, 3 + c, lane], readings[i, 6 + c, lane] = (
-                    g[i, c],
-                    a[i, c],
-                    m[i, c],
-                )
+def gather(gyro: Array, accel: Array, mag: Array, first: int, readings: Array) -> None:
+    """Put readings (LANES, N, 3), those from sample `first` on, beside each other."""
+    flat, n = readings.reshape(-1), readings.shape[0]
+    for begin in range(0, n, BLOCK):
+        rows, block = min(BLOCK, n - begin), flat[begin * READING * LANES :]
+        k = first + begin
+        for lane in range(LANES):
+            g, a, m = gyro[lane, k : k + rows], accel[lane, k : k + rows], mag[lane, k : k + rows]
+            for i in range(rows):
+                place = i * READING * LANES + lane
+                for c in range(3):
+                    block[place + c * LANES] = g[i, c]
+                    block[place + (3 + c) * LANES] = a[i, c]
+                    block[place + (6 + c) * LANES] = m[i, c]
 
 
 @kernel
 def scatter(answers: Array, first: int, out: Columns) -> None:
-    """Put answers (n, TOLD, LANES) into the rows from `first` on of columns with the lanes in front."""
-    R_NS, _, rest, disturbed, held, _, _ = out
-    for lane in range(LANES):
-        R = R_NS[lane, first:]
-        for i in range(answers.shape[0]):
-            for row in range(3):
-                for c in range(3):
-                    R[i, row, c] = answers[i, 3 * row + c, lane]
-            k = first + i
-            rest[lane, k], disturbed[lane, k], held[lane, k] = flags_of(answers[i, at.FLAGS, lane])
+    """Put answers (n, TOLD, LANES) into rows from `first` on of columns with the lanes in front and no flags yet."""
+    flat, n = answers.reshape(-1), answers.shape[0]
+    for begin in range(0, n, BLOCK):
+        rows, block = min(BLOCK, n - begin), flat[begin * TOLD * LANES :]
+        k = first + begin
+        for lane in range(LANES):
+            R = out.R_NS[lane, k : k + rows]
+            for i in range(rows):
+                place = i * TOLD * LANES + lane
+                for row in range(3):
+                    for c in range(3):
+                        R[i, row, c] = block[place + (3 * row + c) * LANES]
+                flags = block[place + at.FLAGS * LANES]
+                if flags != 0.0:
+                    out.rest[lane, k + i], out.disturbed[lane, k + i], out.held[lane, k + i] = flags_of(flags)
 
 
 @kernel
 def scatter_bias(answers: Array, first: int, bias: Array) -> None:
-    """Put the biases of answers (n, TOLD, LANES) into rows (LANES, n, 3) from `first` on."""
-    for lane in range(LANES):
-        for i in range(answers.shape[0]):
-            for c in range(3):
-                bias[lane, first + i, c] = answers[i, at.GYRO_BIAS + c, lane]
+    """Put the biases of answers (n, TOLD, LANES) into rows (LANES, N, 3) from `first` on."""
+    for begin in range(0, answers.shape[0], BLOCK):
+        block = answers[begin : begin + BLOCK]
+        for lane in range(LANES):
+            rows = bias[lane, first + begin : first + begin + block.shape[0]]
+            for i in range(block.shape[0]):
+                for c in range(3):
+                    rows[i, c] = block[i, at.GYRO_BIAS + c, lane]
 
 
 @inlined

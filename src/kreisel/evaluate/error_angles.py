@@ -188,21 +188,16 @@ def _moments(angle: Array, x: Array) -> tuple[float, float, float]:
     """Root mean square, mean and largest of the magnitudes, which are put into `x`, deg."""
     wide_vectors()
     n = angle.shape[0]
-    sums, squares, largest = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
-    for k in range(n):
-        x[k] = abs(angle[k]) * DEGREES
-    whole = n - n % LANES
-    # The sums of every sixteenth sample: LLVM keeps the order of a sum, and one sum would wait for itself.
-    for k in range(0, whole, LANES):
-        for j in range(LANES):
-            value = x[k + j]
+    sums, squares, largest = np.zeros(CHUNK), np.zeros(CHUNK), np.zeros(CHUNK)
+    # Sums of every 256th sample: LLVM keeps the order of a sum, and one sum would wait for itself.
+    for begin in range(0, n, CHUNK):
+        part, out = angle[begin : begin + CHUNK], x[begin : begin + CHUNK]
+        for j in range(part.shape[0]):
+            value = abs(part[j]) * DEGREES
+            out[j] = value
             sums[j] += value
             squares[j] += value * value
             largest[j] = value if value > largest[j] else largest[j]
-    for k in range(whole, n):
-        sums[k - whole] += x[k]
-        squares[k - whole] += x[k] * x[k]
-        largest[k - whole] = max(largest[k - whole], x[k])
     return math.sqrt(squares.sum() / n), sums.sum() / n, largest.max()
 
 

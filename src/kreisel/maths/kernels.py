@@ -130,17 +130,18 @@ def inlined(function: _F) -> _F:
     return _compiled(function, forceinline=True)
 
 
-@cast(Any, intrinsic)
-def fused(context: Any, a: Any, b: Any, c: Any) -> Any:
-    """a b + c rounded once, as IEEE 754 defines it: the same bits everywhere, in one instruction instead of two.
-
-    Asked for by name where a polynomial is worth it; the compiler makes none by itself, or results would depend on it.
-    """
-
+def _fused(context: Any, a: Any, b: Any, c: Any) -> Any:
     def generate(target: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.fma(*arguments)
 
     return numba.types.float64(*[numba.types.float64] * 3), generate
+
+
+fused: Callable[[float, float, float], float] = cast(Any, intrinsic)(_fused)
+"""a b + c of (a, b, c), rounded once as IEEE 754 defines it: the same bits everywhere, in one instruction.
+
+Asked for by name where a polynomial is worth it; the compiler makes none by itself, or results would depend on it.
+"""
 
 
 @cast(Any, intrinsic)

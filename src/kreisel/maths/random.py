@@ -230,7 +230,7 @@ def normals_abreast(words: Words, channel: int, shared: Array, by: Array, row: i
         for i in range(3):
             spread[i, k] = words[i, k % LANES]
         spread[3, k] = np.uint64(k // LANES)
-    quad, skipped = words[3, 0] // FOUR, np.int64(words[3, 0] % FOUR)
+    quad, skipped = words[3, 0] // FOUR, int(words[3, 0] % FOUR)
     for start in range(0, (n + skipped + 3) // 4, together):
         first = 4 * start - skipped
         for c in range(by.shape[1]):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from kreisel.maths.kernels import inlined
+from kreisel.maths.kernels import fused, inlined
 
 Array = npt.NDArray[np.float64]
 Vector = tuple[float, float, float]
@@ -70,10 +70,10 @@ def inverse_root_near_one(e: float, near: bool = False) -> float:
     """
     if not near and abs(e) > 1e-3:
         return 1.0 / math.sqrt(1.0 + e)
-    # The next term, 231/1024 e^6, is below 3e-19.
+    # The next term, 231/1024 e^6, is below 3e-19. In this order the longest chain of operations is the shortest.
     e2 = e * e
-    tail = (0.375 - 0.3125 * e) + e2 * (0.2734375 - 0.24609375 * e)
-    return (1.0 - 0.5 * e) + e2 * tail
+    low = fused(e2, fused(-0.3125, e, 0.375), fused(-0.5, e, 1.0))
+    return fused(e2 * e2, fused(-0.24609375, e, 0.2734375), low)
 
 
 @inlined

@@ -1,14 +1,12 @@
 """Turns blocks of readings abreast into whether all of them are ordinary, and what is not into steps lane by lane."""
 
+from kreisel.estimate.abreast import READING
 from kreisel.estimate.filters.dcm.start import is_rate
 from kreisel.maths.kernels import LANES, inlined
 from kreisel.maths.vectors import Array
 
-# Steps that are looked at together; constants all of them: of places that it cannot compare the compiler assumes the
-# worst, and takes lane by lane what they hold.
 BLOCK = 16
-READING = 9  # rows of readings: gyro, accel, mag
-AXES = 9  # rows of answers
+"""Steps that are looked at together."""
 
 
 @inlined

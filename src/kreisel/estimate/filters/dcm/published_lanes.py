@@ -6,9 +6,9 @@ taken lane by lane.
 
 import numpy as np
 
-from kreisel.estimate.abreast import tell_abreast
+from kreisel.estimate.abreast import AXES, READING, tell_abreast
 from kreisel.estimate.filters.dcm import layout as at
-from kreisel.estimate.filters.dcm.lanes import AXES, BLOCK, READING, ordinary
+from kreisel.estimate.filters.dcm.lanes import BLOCK, ordinary
 from kreisel.estimate.filters.dcm.published import asked, moved, setting_of, step, waits, weights_of
 from kreisel.maths.kernels import LANES, inlined, kernel, wide_vectors
 from kreisel.maths.vectors import Array, Vector, dot, load, nearest_rotation, scaled

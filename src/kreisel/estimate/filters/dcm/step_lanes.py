@@ -9,9 +9,9 @@ import math
 
 import numpy as np
 
-from kreisel.estimate.abreast import tell_abreast
+from kreisel.estimate.abreast import AXES, READING, tell_abreast
 from kreisel.estimate.filters.dcm import layout as at
-from kreisel.estimate.filters.dcm.lanes import AXES, BLOCK, READING, ordinary
+from kreisel.estimate.filters.dcm.lanes import BLOCK, ordinary
 from kreisel.estimate.filters.dcm.step import NO_FORCE, corrected, turned, update
 from kreisel.estimate.filters.dcm.window import close_window, is_over, next_part
 from kreisel.maths.kernels import LANES, inlined, kernel, wide_vectors
