@@ -176,7 +176,7 @@ def _abreast(
     t, gyro, accel, mag = inputs
     dt, learns_bias = steps(t), columns.gyro_bias.flags.writeable
     columns.rest[:], columns.disturbed[:], columns.held[:] = False, False, False
-    readings, answers = np.empty((_SAMPLES, READING, filter.lanes)), np.empty((TOLD, filter.lanes))
+    readings, answers = np.empty((_SAMPLES, READING, filter.lanes)), np.empty((_SAMPLES, TOLD, filter.lanes))
     for first in range(0, len(t), _SAMPLES):
         rows = slice(first, min(first + _SAMPLES, len(t)))
         taken, told = readings[: rows.stop - first], answers[: rows.stop - first]
