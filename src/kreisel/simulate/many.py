@@ -22,6 +22,9 @@ from kreisel.simulate.session import SENSORS, blocks, contexts_of, felt_by, part
 
 Draws = Sequence[tuple[int, int]]
 
+ROWS = 3 * len(SENSORS)
+"""Rows of readings abreast: three of each sensor."""
+
 
 class Abreast:
     """An IMU that records LANES runs of one motion at once; what these share is made once for all that follow.
