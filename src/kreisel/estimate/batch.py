@@ -15,14 +15,11 @@ from kreisel.data.attitude import AttitudeHistory, Mask
 from kreisel.data.checks import increasing, read_only, shaped
 from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.recording import ImuRecording
-from kreisel.estimate.abreast import READING, TOLD, gather, scatter, scatter_bias, steps
+from kreisel.estimate.abreast import READING, SAMPLES, TOLD, gather, scatter, scatter_bias, steps
 from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters import Array, AttitudeFilter, LaneFilter
 from kreisel.estimate.run import readings, run
 from kreisel.maths.kinematics import linear_acceleration
-
-# Fewer than where readings are made in the cache: these come from memory, and evict what waits there.
-_SAMPLES = 256
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -176,9 +173,9 @@ def _abreast(
     t, gyro, accel, mag = inputs
     dt, learns_bias = steps(t), columns.gyro_bias.flags.writeable
     columns.rest[:], columns.disturbed[:], columns.held[:] = False, False, False
-    readings, answers = np.empty((_SAMPLES, READING, filter.lanes)), np.empty((_SAMPLES, TOLD, filter.lanes))
-    for first in range(0, len(t), _SAMPLES):
-        rows = slice(first, min(first + _SAMPLES, len(t)))
+    readings, answers = np.empty((SAMPLES, READING, filter.lanes)), np.empty((SAMPLES, TOLD, filter.lanes))
+    for first in range(0, len(t), SAMPLES):
+        rows = slice(first, min(first + SAMPLES, len(t)))
         taken, told = readings[: rows.stop - first], answers[: rows.stop - first]
         gather(gyro, accel, mag, first, taken)
         filter.batch_of_lanes(states, parameters, dt[rows], taken, told)
