@@ -28,6 +28,9 @@ _SHIFT = np.int64(46)
 _LOWEST = np.int64((1023 - 31) << 6)
 _BUCKETS = 2560
 
+# Samples that are looked through at once for those of the two ranks.
+_SEEN = 64
+
 
 Counts = npt.NDArray[np.int64]
 
@@ -214,11 +217,18 @@ def _two_ranks(
     """The numbers of two ranks, counted from 0; between whole ranks those on both sides by their distances."""
     a, b = _around(below, first), _around(below, second)
     m = n = 0
-    # What is not chosen is written too, and written over: no branch to guess.
-    for k in range(x.shape[0]):
-        of_first[m] = of_second[n] = x[k]
-        m += a[0] <= x[k] < a[1]
-        n += b[0] <= x[k] < b[1]
+    for begin in range(0, x.shape[0], _SEEN):
+        part, hits = x[begin : begin + _SEEN], 0
+        # Errors are steady: in most parts of a run there is none to be chosen, which vectors find out.
+        for k in range(part.shape[0]):
+            hits += ((a[0] <= part[k]) & (part[k] < a[1])) | ((b[0] <= part[k]) & (part[k] < b[1]))
+        if hits == 0:
+            continue
+        # What is not chosen is written too, and written over: no branch to guess.
+        for k in range(part.shape[0]):
+            of_first[m] = of_second[n] = part[k]
+            m += a[0] <= part[k] < a[1]
+            n += b[0] <= part[k] < b[1]
     return _of_rank(of_first[:m], first - a[2]), _of_rank(of_second[:n], second - b[2])
 
 
