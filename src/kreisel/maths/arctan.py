@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from kreisel.maths.kernels import inlined
+from kreisel.maths.kernels import fused, inlined
 
 # atan r = r + r^3 A(r^2) on [0, tan(pi/8)]; A interpolates at the Chebyshev nodes of [0, tan(pi/8)^2] and leaves 7e-18.
 A0, A1, A2, A3 = -0.3333333333333333, 0.19999999999995516, -0.14285714284665682, 0.11111111015187018
@@ -28,8 +28,9 @@ def arctan2(y: float, x: float) -> float:
     # NaN + 1 is NaN still.
     r = p / (q if q != 0.0 else 1.0)
     z = r * r
-    upper = A5 + z * (A6 + z * (A7 + z * (A8 + z * (A9 + z * A10))))
-    a = r + r * z * (A0 + z * (A1 + z * (A2 + z * (A3 + z * (A4 + z * upper)))))
+    upper = fused(z, fused(z, fused(z, fused(z, fused(z, A10, A9), A8), A7), A6), A5)
+    lower = fused(z, fused(z, fused(z, fused(z, fused(z, upper, A4), A3), A2), A1), A0)
+    a = fused(r * z, lower, r)
     a = a + (QUARTER if folded else 0.0)
     a = RIGHT - a if high > wide else a
     a = STRAIGHT - a if x < 0.0 else a
