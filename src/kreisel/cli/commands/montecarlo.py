@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from kreisel.cli.notes import note
 from kreisel.cli.outputs import (
@@ -24,7 +24,7 @@ from kreisel.cli.outputs import (
 from kreisel.cli.progress import Progress
 from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
 from kreisel.cli.tables import print_table
-from kreisel.cli.values import UsageError, as_typed, typed
+from kreisel.cli.values import UsageError, as_typed, typed, whole
 
 if TYPE_CHECKING:
     from kreisel.study.ensemble.ensemble import Ensemble
@@ -58,16 +58,6 @@ _STATISTICS = ("mean", "p05", "median", "p95", "max")
 _MOST_DRIVERS = 5
 
 
-def _whole(least: int) -> Any:
-    def read(text: str) -> int:
-        number = int(text) if text.strip().isdecimal() else -1
-        if number < least:
-            raise ValueError(f"takes a whole number, {least} or more; got {text!r}.")
-        return number
-
-    return typed(read)
-
-
 def _backend(text: str) -> str:
     """A backend's name or address, whose form alone is checked."""
     from kreisel.study.engine import LOCAL
@@ -93,7 +83,7 @@ def _varied(text: str) -> tuple[str, str]:
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument("scenario", metavar="SCENARIO", help="TOML file with the scenario")
-    parser.add_argument("--runs", type=_whole(1), default=1000, metavar="N", help="how many (default 1000)")
+    parser.add_argument("--runs", type=whole(1), default=1000, metavar="N", help="how many (default 1000)")
     parser.add_argument(
         "-o", "--output", metavar="FOLDER", type=output_folder, help="folder for what is made"
     )
@@ -101,10 +91,8 @@ def configure(parser: ArgumentParser) -> None:
         "--vary", action="append", type=typed(_varied), default=[], metavar="PATH=DISTRIBUTION",
         help="draw a value in every run: normal(mean, sigma), uniform(a, b), loguniform(a, b), choice(a, b, ...)",
     )  # fmt: skip
-    parser.add_argument("--seed", type=_whole(0), metavar="N", help="another seed than the file's")
-    parser.add_argument(
-        "--threads", type=_whole(1), metavar="N", help="how many at most (default: all cores)"
-    )
+    parser.add_argument("--seed", type=whole(0), metavar="N", help="another seed than the file's")
+    parser.add_argument("--threads", type=whole(1), metavar="N", help="how many at most (default: all cores)")
     parser.add_argument(
         "--backend", type=typed(_backend), metavar="WHERE",
         help="dask for workers on this machine, tcp://HOST:PORT for a scheduler that runs (default: threads)",
