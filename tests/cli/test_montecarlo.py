@@ -42,6 +42,22 @@ def test_it_writes_what_can_be_loaded_again(scenario, tmp_path, capsys):
     assert Ensemble.load(out).runs == 20
 
 
+def test_names_that_vary_have_no_correlation(scenario, tmp_path, capsys):
+    out = tmp_path / "out"
+    vary = ["--vary", 'imu.imu.sensor=choice("bmi088", "mpu6050")']
+    assert main(["montecarlo", str(scenario), "--runs", "1", *vary, "-o", str(out)]) == 0
+    assert capsys.readouterr().out.startswith("1 run of ")
+    assert not list(out.glob("*-drivers.png"))
+
+
+def test_what_chance_makes_is_no_driver(scenario, tmp_path, capsys):
+    vary = ["--vary", "imu.imu.p_BS[0]=uniform(0, 1)"]
+    options = ["--runs", "4", *vary, "--no-pictures", "-o", str(tmp_path / "out")]
+    assert main(["montecarlo", str(scenario), *options]) == 0
+    # 2 / sqrt(4) is 1, which no correlation exceeds.
+    assert "no rank correlation above 1, which 4 runs show by chance" in capsys.readouterr().out
+
+
 def test_json_is_the_report_alone(scenario, tmp_path, capsys):
     out = tmp_path / "out"
     options = ["--runs", "4", "--seed", "9", "--threads", "1", "--no-pictures", "--json", "-o", str(out)]

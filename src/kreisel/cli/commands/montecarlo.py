@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 import time
 from argparse import ArgumentParser, Namespace
@@ -139,7 +140,7 @@ def run(args: Namespace) -> int:
         print_json(made.report() | {"files": [str(path) for path in written(args.output, outputs)]})
         return 0
     _tell(made)
-    print(f"\n{made.runs} runs in {spent:.1f} s, {made.runs / spent:.0f} a second; written:")
+    print(f"\n{_count(made)} in {spent:.1f} s, {made.runs / spent:.0f} a second; written:")
     print(aligned(lines))
     return 0
 
@@ -178,8 +179,16 @@ def _outputs(scenario: Scenario, pictures: bool) -> list[Output[Ensemble]]:
     ]
     pairs = [(imu.name, filter.name) for imu in scenario.imus for filter in scenario.filters]
     for k, (imu, filter) in enumerate(pairs if pictures else []):
-        made += _pictures(k, f"{imu}-{filter}".replace(" ", "-"), bool(scenario.vary))
+        made += _pictures(k, f"{imu}-{filter}".replace(" ", "-"), _draws_numbers(scenario))
     return made
+
+
+def _draws_numbers(scenario: Scenario) -> bool:
+    """Whether anything varies that errors can be correlated with; names, such as those of sensors, cannot."""
+    from kreisel.study.ensemble.distributions import Distribution
+
+    values = (Distribution.of(table).values for table in scenario.vary.values())
+    return any(all(isinstance(value, int | float) for value in each) for each in values)
 
 
 def _pictures(k: int, stem: str, drawn: bool) -> list[Output[Ensemble]]:
@@ -195,9 +204,13 @@ def _pictures(k: int, stem: str, drawn: bool) -> list[Output[Ensemble]]:
     return [*made, driven] if drawn else made
 
 
+def _count(made: Ensemble) -> str:
+    return f"{made.runs} run{'' if made.runs == 1 else 's'}"
+
+
 def _tell(made: Ensemble) -> None:
     for k, each in enumerate(made.estimates):
-        print(f"{made.runs} runs of {made.base.name or 'a scenario'}: {each.filter} on {each.imu}")
+        print(f"{_count(made)} of {made.base.name or 'a scenario'}: {each.filter} on {each.imu}")
         summary = each.summary()
         rows = [
             (label, *(_shown(summary[name][statistic], statistic) for statistic in _STATISTICS))
@@ -205,11 +218,24 @@ def _tell(made: Ensemble) -> None:
             if name in summary
         ]
         print_table(("over runs", "mean", "5 %", "median", "95 %", "worst"), rows)
-        drivers = [
-            (path, rho) for path, rho in made.correlations("heading_rmse_deg", k).items() if rho == rho
+        for line in _drivers(made, k):
+            print(f"  {line}")
+
+
+def _drivers(made: Ensemble, k: int) -> list[str]:
+    """What the heading's error goes with, as far as chance alone would not make it."""
+    chance = 2.0 / math.sqrt(made.runs)
+    found = {path: rho for path, rho in made.correlations("heading_rmse_deg", k).items() if rho == rho}
+    told = [
+        f"heading RMSE goes with {path}: rank correlation {rho:+.2f}"
+        for path, rho in found.items()
+        if abs(rho) > chance
+    ]
+    if found and not told:
+        return [
+            f"heading RMSE: no rank correlation above {chance:.2g}, which {made.runs} runs show by chance"
         ]
-        for path, rho in drivers[:_MOST_DRIVERS]:
-            print(f"  heading RMSE goes with {path}: rank correlation {rho:+.2f}")
+    return told[:_MOST_DRIVERS]
 
 
 def _shown(value: float, statistic: str) -> str:
