@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser, Namespace
+from argparse import ArgumentParser, Namespace, _ActionsContainer
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -71,6 +71,16 @@ def add_input_arguments(parser: ArgumentParser, many: bool = False) -> None:
         metavar="TOPIC",
         help="topic of a ROS bag, as in --topic /imu/data or --topic /tf:odom.base_link (kreisel info lists them); "
         "a second one names the magnetometer's, where it is not clear",
+    )
+
+
+def add_max_gap(parser: _ActionsContainer) -> None:
+    """--max-gap, which is None where it is not given."""
+    parser.add_argument(
+        "--max-gap",
+        type=number("seconds", lowest=0.0),
+        metavar="S",
+        help="longest time without poses that is bridged (default 0.25 s)",
     )
 
 
