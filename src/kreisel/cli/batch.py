@@ -36,6 +36,11 @@ def expanded(given: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(paths))
 
 
+def holds_files(path: Path) -> bool:
+    """Whether it is a folder, and none that is read like a file, such as a bag of ROS 2."""
+    return path.is_dir() and not (path / "metadata.yaml").exists()
+
+
 def derived(paths: Sequence[str], output: str, suffix: str) -> list[Path]:
     """Where each of `paths` goes: `output`, or where that is a folder, a file in it with the name and `suffix`.
 

@@ -7,6 +7,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from kreisel.cli.batch import holds_files
 from kreisel.cli.inputs import check_units
 from kreisel.cli.progress import Progress
 from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
@@ -95,11 +96,6 @@ def run(args: Namespace) -> int:
     return 0
 
 
-def _is_folder(source: Path) -> bool:
-    """Whether it may be what `kreisel run` wrote: a bag of ROS 2 is a folder as well, and a recording."""
-    return source.is_dir() and not (source / "metadata.yaml").exists()
-
-
 def _is_scenario(source: Path) -> bool:
     return source.suffix.lower() == ".toml"
 
@@ -120,7 +116,7 @@ def _described(args: Namespace) -> str:
 
 def _account(args: Namespace) -> Account:
     source = Path(args.result)
-    if _is_folder(source):
+    if holds_files(source):
         from kreisel.study.folder import read_account
 
         _refuse_options_of_recordings(args, "a folder")
