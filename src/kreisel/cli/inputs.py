@@ -153,6 +153,11 @@ def check_unit(option: str, unit: str, group: str) -> None:
         raise UsageError(f"{option}: {error}") from None
 
 
+def add_trust_units(parser: _ActionsContainer) -> None:
+    """--trust-units, which `check_units` takes."""
+    parser.add_argument("--trust-units", action="store_true", help="go on where units look impossible")
+
+
 def check_units(recording: ImuRecording, path: str, trusted: bool, unit: str = "accel_x='ax [g]'") -> None:
     """Refuse impossible units unless they are trusted; doubtful ones are a note on stderr.
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kreisel.cli.batch import derived, expanded, over_files
-from kreisel.cli.inputs import add_input_arguments, check_units_of, read_content_blocks
+from kreisel.cli.inputs import add_input_arguments, add_trust_units, check_units_of, read_content_blocks
 from kreisel.cli.memory import is_long
 from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
 from kreisel.cli.values import number
@@ -76,7 +76,7 @@ def configure(parser: ArgumentParser) -> None:
         help="leave out what comes after, s after the first sample",
     )
     add_report_arguments(parser, dry_run=True)
-    parser.add_argument("--trust-units", action="store_true", help="go on where units look impossible")
+    add_trust_units(parser)
     parser.epilog = _EXAMPLES
 
 

@@ -7,12 +7,12 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from kreisel.cli.inputs import add_max_gap
+from kreisel.cli.inputs import add_max_gap, add_trust_units
 from kreisel.cli.notes import complain
+from kreisel.cli.output_options import add_output_folder
 from kreisel.cli.outputs import (
     Output,
     describe_notes,
-    output_folder,
     picture,
     write_json,
     write_outputs,
@@ -89,15 +89,9 @@ def configure(parser: ArgumentParser) -> None:
         metavar="S",
         help="how far the clocks may be apart (0.5 s)",
     )
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=output_folder,
-        metavar="FOLDER",
-        help="folder for picture, twin and summary.json",
-    )
+    add_output_folder(parser, "folder for picture, twin and summary.json")
     add_report_arguments(parser, dry_run=True)
-    parser.add_argument("--trust-units", action="store_true", help="go on where units look impossible")
+    add_trust_units(parser)
     for sensor, unit in _UNITS.items():
         parser.add_argument(
             f"--max-{sensor}-rmse",

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 from kreisel.cli.batch import Batch, derived, expanded, over_files, shortened
 from kreisel.cli.evaluations import mean_of, partner, print_reports, truths_in
 from kreisel.cli.notes import complain, note
+from kreisel.cli.output_options import add_output_folder
 from kreisel.cli.outputs import (
     Output,
     aligned,
-    output_folder,
     picture,
     removed,
     write_json,
@@ -100,9 +100,7 @@ def configure(parser: ArgumentParser) -> None:
         metavar="DEG",
         help="total error that is converged (5)",
     )
-    parser.add_argument(
-        "-o", "--output", type=output_folder, metavar="FOLDER", help="folder for pictures and summary.json"
-    )
+    add_output_folder(parser, "folder for pictures and summary.json")
     add_report_arguments(parser, dry_run=True)
     for name, text in _LIMITS.items():
         parser.add_argument(

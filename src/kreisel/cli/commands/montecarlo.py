@@ -13,17 +13,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kreisel.cli.notes import note
+from kreisel.cli.output_options import add_output_folder
 from kreisel.cli.outputs import (
     Output,
     aligned,
     check_outputs,
-    output_folder,
     picture,
     write_outputs,
     written,
 )
 from kreisel.cli.progress import Progress
 from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
+from kreisel.cli.sweeps import backend
 from kreisel.cli.tables import print_table
 from kreisel.cli.values import UsageError, as_typed, typed, whole
 
@@ -59,17 +60,6 @@ _STATISTICS = ("mean", "p05", "median", "p95", "max")
 _MOST_DRIVERS = 5
 
 
-def _backend(text: str) -> str:
-    """A backend's name or address, whose form alone is checked."""
-    from kreisel.study.engine import LOCAL
-
-    if text != LOCAL and "://" not in text:
-        raise ValueError(
-            f"takes {LOCAL} or the address of a scheduler such as tcp://127.0.0.1:8786; got {text!r}."
-        )
-    return text
-
-
 def _varied(text: str) -> tuple[str, str]:
     """PATH=DISTRIBUTION in its two parts, the second checked."""
     from kreisel.study.ensemble.distributions import Distribution
@@ -85,9 +75,7 @@ def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument("scenario", metavar="SCENARIO", help="TOML file with the scenario")
     parser.add_argument("--runs", type=whole(1), default=1000, metavar="N", help="how many (default 1000)")
-    parser.add_argument(
-        "-o", "--output", metavar="FOLDER", type=output_folder, help="folder for what is made"
-    )
+    add_output_folder(parser)
     parser.add_argument(
         "--vary", action="append", type=typed(_varied), default=[], metavar="PATH=DISTRIBUTION",
         help="draw a value in every run: normal(mean, sigma), uniform(a, b), loguniform(a, b), choice(a, b, ...)",
@@ -95,7 +83,7 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument("--seed", type=whole(0), metavar="N", help="another seed than the file's")
     parser.add_argument("--threads", type=whole(1), metavar="N", help="how many at most (default: all cores)")
     parser.add_argument(
-        "--backend", type=typed(_backend), metavar="WHERE",
+        "--backend", type=typed(backend), metavar="WHERE",
         help="dask for workers on this machine, tcp://HOST:PORT for a scheduler that runs (default: threads)",
     )  # fmt: skip
     parser.add_argument(

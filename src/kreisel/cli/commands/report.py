@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kreisel.cli.batch import holds_files
-from kreisel.cli.inputs import check_units
+from kreisel.cli.inputs import add_trust_units, check_units
 from kreisel.cli.progress import Progress
 from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
 from kreisel.cli.values import UsageError, as_typed, one_of
@@ -65,9 +65,7 @@ def configure(parser: ArgumentParser) -> None:
         type=one_of(("heading", "frame", "frame+sensor")),
         help="leave the constant offset that fits best out of the errors: heading, frame or frame+sensor",
     )
-    of_recordings.add_argument(
-        "--trust-units", action="store_true", help="take readings that look impossible"
-    )
+    add_trust_units(of_recordings)
     add_report_arguments(parser, dry_run=True)
     parser.epilog = _EXAMPLES
 

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kreisel.cli.output_options import add_output_folder
 from kreisel.cli.outputs import (
     Output,
     aligned,
     check_imu_names,
     check_outputs,
     describe_notes,
-    output_folder,
     picture,
     removed,
     simulation_outputs,
@@ -49,9 +49,7 @@ docs/scenarios.md explains every key; examples/scenarios/ has files to begin wit
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument("scenario", metavar="SCENARIO", help="TOML file with the scenario")
-    parser.add_argument(
-        "-o", "--output", metavar="FOLDER", type=output_folder, help="folder for what is made"
-    )
+    add_output_folder(parser)
     add_report_arguments(parser, dry_run=True)
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.epilog = _EXAMPLES
