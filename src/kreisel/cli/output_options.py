@@ -17,6 +17,15 @@ def output_folder(text: str) -> Path:
     return Path(text)
 
 
+def picture_file(text: str) -> str:
+    """The name of a picture; for argparse, as `type`."""
+    from kreisel.show.saving import PICTURES
+
+    if Path(text).suffix.lower() not in PICTURES:
+        raise UsageError(f"must end in {' or '.join(PICTURES)}; got {text!r}.")
+    return text
+
+
 def add_output_folder(
     parser: ArgumentParser,
     what: str = "folder for what is made",

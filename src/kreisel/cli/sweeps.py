@@ -17,7 +17,7 @@ from kreisel.cli.notes import complain, kept_notes, note, sentence, warnings_as_
 from kreisel.cli.progress import Progress
 from kreisel.cli.values import UsageError, as_typed, typed, whole
 
-_ADDRESS = re.compile(r"[a-z]+://.+:\d+")
+_ADDRESS = re.compile(r"(tcp|tls|ucx|wss?)://.+:\d+")
 
 Block = TypeVar("Block")
 

@@ -7,7 +7,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from kreisel.cli.inputs import add_max_gap, add_trust_units
+from kreisel.cli.inputs import CONVERT, add_max_gap, add_trust_units, check_units
 from kreisel.cli.notes import complain
 from kreisel.cli.output_options import add_output_folder
 from kreisel.cli.outputs import (
@@ -137,7 +137,6 @@ def run(args: Namespace) -> int:
 
 def _inputs(args: Namespace) -> tuple[ImuRecording, Poses, str]:
     """The recording, the poses, and what to call these."""
-    from kreisel.cli.inputs import check_units
     from kreisel.data.recording import ImuRecording
     from kreisel.data.trajectory import Poses
     from kreisel.data.trial import Trial
@@ -147,7 +146,7 @@ def _inputs(args: Namespace) -> tuple[ImuRecording, Poses, str]:
     recording = data.recording if isinstance(data, Trial) else data
     if not isinstance(recording, ImuRecording):
         raise ValueError(f"{args.real} is no IMU recording. The recording comes first, the poses second.")
-    check_units(recording, args.real, args.trust_units)
+    check_units(recording, args.real, args.trust_units, by=CONVERT)
     poses: Any = data.poses if isinstance(data, Trial) else None
     if args.poses is not None:
         poses = read(args.poses, kind="poses")

@@ -15,13 +15,14 @@ from kreisel.cli.filters import add_filter_arguments, chosen_filter, tuning_help
 from kreisel.cli.inputs import (
     add_input_arguments,
     add_trust_units,
+    check_readings_of,
     check_units_of,
     in_any_folder,
     read_content,
     read_content_blocks,
     world,
 )
-from kreisel.cli.output_options import add_output_file
+from kreisel.cli.output_options import add_output_file, picture_file
 from kreisel.cli.outputs import check_format, summary_stream
 from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
 from kreisel.cli.sweeps import add_sweep_arguments, into_folder, left_to_do, over_many_files, told_of_skipped
@@ -72,7 +73,10 @@ def configure(parser: ArgumentParser) -> None:
         "--to-frame", metavar="WORLD", type=world, help="world of the output (default: that of the input)"
     )
     parser.add_argument(
-        "--picture", metavar="PICTURE", help="draw the attitude: .png, .svg or .pdf; one input"
+        "--picture",
+        metavar="PICTURE",
+        type=picture_file,
+        help="draw the attitude: .png, .svg or .pdf; one input",
     )
     add_sweep_arguments(parser)
     add_report_arguments(parser, dry_run=True)
@@ -205,6 +209,7 @@ def _recordings(args: Namespace, path: str, found: Found) -> Iterator[ImuRecordi
         found.take(waiting, is_trial=isinstance(content, Trial))
     assert waiting is not None  # no file is read that has no rows
     check_units_of(units, path, args.trust_units)
+    check_readings_of(units, path)
     yield waiting
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kreisel.cli.batch import holds_files
-from kreisel.cli.inputs import add_trust_units, check_units
+from kreisel.cli.inputs import CONVERT, add_trust_units, check_units
 from kreisel.cli.progress import Progress
 from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
 from kreisel.cli.values import UsageError, as_typed, one_of
@@ -141,7 +141,7 @@ def _of_recording(args: Namespace, source: Path) -> Account:
     from kreisel.study.account import account_of_files
 
     recording, truth = _recording(source)
-    check_units(recording, str(source), args.trust_units)
+    check_units(recording, str(source), args.trust_units, by=CONVERT)
     if args.truth is not None:
         truth = read_truth(args.truth)
     if args.estimate is None and truth is None:
