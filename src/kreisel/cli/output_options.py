@@ -5,6 +5,7 @@ from __future__ import annotations
 from argparse import ArgumentParser
 from pathlib import Path
 
+from kreisel.cli.batch import in_the_way
 from kreisel.cli.values import UsageError, one_of
 from kreisel.files.doors import format_names
 from kreisel.files.formats import Noun
@@ -14,7 +15,10 @@ def output_folder(text: str) -> Path:
     """The folder that an option names; for argparse, as `type`."""
     if not text.strip():
         raise UsageError("takes the name of a folder; got an empty one. Write . for the current folder.")
-    return Path(text)
+    folder = Path(text)
+    if obstacle := in_the_way(folder):
+        raise UsageError(f"must be a folder; {obstacle} is a file.")
+    return folder
 
 
 def picture_file(text: str) -> str:

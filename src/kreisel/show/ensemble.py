@@ -63,10 +63,14 @@ def _legend_above(axes: Axes, handles: Sequence[Artist]) -> None:
 def _zoom(axes: Axes, quantiles: Array, signed: bool) -> None:
     """Show everything, or where a start is far off or a run lost, nine in ten of what comes after the start."""
     settled = quantiles[:, quantiles.shape[1] // 20 :]
-    most = 1.15 * max(float(np.abs(settled[[1, 5]]).max()), 1e-9)
-    every = 1.03 * float(np.abs(quantiles).max())
-    reach = every if most < every < 2.5 * most else most
-    axes.set_ylim(-reach if signed else 0.0, reach)
+    ends = []
+    for side, nine, every in ((-1.0, 1, 0), (1.0, 5, 6)) if signed else ((1.0, 5, 6),):
+        most = 1.15 * float((side * settled[nine]).max())
+        all_runs = 1.03 * float((side * quantiles[every]).max())
+        ends.append(side * (all_runs if most < all_runs < 2.5 * most else most))
+    low, high = min(*ends, 0.0), max(*ends, 0.0)
+    # Zero stays in sight, and errors that are all zero have a height too.
+    axes.set_ylim(low - 0.05 * (high - low) * signed, high + 0.05 * (high - low) * signed + 1e-9)
 
 
 def plot_histograms(ensemble: Ensemble, estimate: int = 0) -> Figure:
