@@ -58,6 +58,22 @@ def test_what_chance_makes_is_no_driver(scenario, tmp_path, capsys):
     assert "no rank correlation above 1, which 4 runs show by chance" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize(
+    ("added", "told"),
+    [
+        ("", True),
+        ("environment = { field_N_uT = [0, 20, -44] }", False),
+        ("filter = { kind = 'dcm', align = 'heading' }", False),
+    ],
+)
+@pytest.mark.parametrize("command", [["run"], ["montecarlo", "--runs", "2"]])
+def test_a_heading_that_nothing_tells_is_named(command, added, told, tmp_path, capsys):
+    text = TEXT.replace('filter = { kind = "dcm" }', added) if "filter" in added else TEXT + added
+    (tmp_path / "s.toml").write_text(text)
+    assert main([*command, str(tmp_path / "s.toml"), "--no-pictures", "-o", str(tmp_path / "out")]) == 0
+    assert ("nothing tells dcm where north is" in capsys.readouterr().out) == told
+
+
 def test_json_is_the_report_alone(scenario, tmp_path, capsys):
     out = tmp_path / "out"
     options = ["--runs", "4", "--seed", "9", "--threads", "1", "--no-pictures", "--json", "-o", str(out)]

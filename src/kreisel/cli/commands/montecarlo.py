@@ -24,6 +24,7 @@ from kreisel.cli.outputs import (
 )
 from kreisel.cli.progress import Progress
 from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
+from kreisel.cli.surroundings import describe_free_heading
 from kreisel.cli.sweeps import backend
 from kreisel.cli.tables import print_table
 from kreisel.cli.values import UsageError, as_typed, typed, whole
@@ -128,6 +129,8 @@ def run(args: Namespace) -> int:
         print_json(made.report() | {"files": [str(path) for path in written(args.output, outputs)]})
         return 0
     _tell(made)
+    for line in describe_free_heading(scenario):
+        print(line)
     print(f"\n{_count(made)} in {spent:.1f} s, {made.runs / spent:.0f} a second; written:")
     print(aligned(lines))
     return 0

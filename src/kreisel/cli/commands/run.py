@@ -27,7 +27,7 @@ from kreisel.cli.outputs import (
 from kreisel.cli.progress import Progress
 from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
 from kreisel.cli.sensor_options import describe_sensor, sensor_called
-from kreisel.cli.surroundings import describe_field, describe_gravity, describe_place
+from kreisel.cli.surroundings import describe_field, describe_free_heading, describe_gravity, describe_place
 from kreisel.cli.values import UsageError
 from kreisel.files.doors import write
 
@@ -84,7 +84,7 @@ def run(args: Namespace) -> int:
         return 0
     print("\n".join(_described(scenario, result)))
     print("\n".join(f"  {line}" for line in describe_notes(result.motion.notes)))
-    print(errors_table(result.estimates))
+    print("\n".join([errors_table(result.estimates), *describe_free_heading(scenario)]))
     print(f"\nwritten in {time.perf_counter() - started:.1f} s:")
     print(aligned(lines))
     return 0
