@@ -10,7 +10,7 @@ from scipy.io import savemat
 
 import kreisel
 from kreisel.cli.main import main
-from kreisel.maths.rotations import exp_so3, quat_wxyz_from_matrix
+from kreisel.maths.rotations import continuous_signs, exp_so3, matrix_from_quat_wxyz, quat_wxyz_from_matrix
 from kreisel.simulate.effects.white_noise import WhiteNoise
 from tests.evaluate.align.moving import T, every_way
 
@@ -106,6 +106,24 @@ def test_a_trial_with_positions_needs_no_second_file(made, tmp_path, capsys) -> 
     np.testing.assert_allclose(found["R_BS"], MOUNT.R_BS, atol=1e-3)
     assert found["gyro"]["clock_s"] == pytest.approx(0.02, abs=1e-4)
     assert len(poses) > len(real)
+
+
+def test_interpolated_poses_are_thinned_and_others_are_not(made, tmp_path, capsys) -> None:
+    real, path = made[0], kreisel.read(made[1])
+    assert not any("interpolated on" in note for note in report(capsys, *made)["notes"])
+    turns = continuous_signs(quat_wxyz_from_matrix(path.R_NB))
+    t = np.arange(path.t[0], path.t[-1], 1.0 / 286.0)
+    p_NB, turned = (
+        np.stack([np.interp(t, path.t, column) for column in columns.T], axis=1)
+        for columns in (path.p_NB, turns)
+    )
+    turned /= np.linalg.norm(turned, axis=1, keepdims=True)
+    between = kreisel.Poses(t, p_NB, matrix_from_quat_wxyz(turned))
+    kreisel.write(tmp_path / "between.npz", between)
+    note, *_ = report(capsys, real, str(tmp_path / "between.npz"))["notes"]
+    assert "interpolated on straight lines from" in note and f"of {len(t)} are taken" in note
+    asked = report(capsys, real, str(tmp_path / "between.npz"), "--pose-rate", "300")["notes"]
+    assert not any("interpolated on" in note for note in asked)
 
 
 def test_bad_input_is_one_sentence(made, tmp_path, capsys) -> None:

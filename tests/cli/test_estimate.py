@@ -97,6 +97,24 @@ def test_impossible_units_are_refused_unless_insisted_on(change, likely, tmp_pat
     assert likely in capsys.readouterr().err
 
 
+def test_a_sensor_that_never_reads_is_refused(tmp_path, capsys) -> None:
+    nothing = np.full_like(TRIAL.recording.gyro, np.nan)
+    kreisel.write(tmp_path / "nan.csv", replace(TRIAL.recording, gyro=nothing))
+    assert (
+        main(["estimate", str(tmp_path / "nan.csv"), "-o", str(tmp_path / "out.tum"), "--trust-units"]) == 1
+    )
+    assert "no reading of the gyroscope: every row is NaN." in capsys.readouterr().err
+    assert not (tmp_path / "out.tum").exists()
+
+
+def test_the_unit_that_is_asked_for_is_that_of_the_sensor(tmp_path, capsys) -> None:
+    kreisel.write(
+        tmp_path / "deg.csv", replace(TRIAL.recording, gyro=np.full_like(TRIAL.recording.gyro, 60.0))
+    )
+    assert main(["estimate", str(tmp_path / "deg.csv")]) == 1
+    assert "--column gyro_x='gx [deg/s]'" in capsys.readouterr().err
+
+
 def test_a_doubtful_field_is_only_a_note(tmp_path, capsys) -> None:
     kreisel.write(tmp_path / "gauss.npz", replace(TRIAL.recording, mag_uT=TRIAL.recording.mag_uT / 100.0))
     assert main(["estimate", str(tmp_path / "gauss.npz"), "-o", str(tmp_path / "out.npz")]) == 0

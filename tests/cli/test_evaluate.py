@@ -189,3 +189,75 @@ def test_a_person_at_a_terminal_gets_the_same_numbers(truth, tmp_path, capsys, m
     text = capsys.readouterr().out
     total = next(line for line in text.splitlines() if line.lstrip().startswith("total"))
     assert total.split()[1:] == ["2"] * 5
+
+
+@pytest.fixture
+def pairs(tmp_path: Path) -> Path:
+    """Truths a, b, c in one folder; estimates a (1 deg off), b (3 deg), x in another."""
+    for folder in ("truths", "found"):
+        (tmp_path / folder).mkdir()
+    for name in "abc":
+        kreisel.write(tmp_path / "truths" / f"{name}.tum", kreisel.Poses(T, np.ones((N, 3)), R))
+    for name, error in (("a", 1.0), ("b", 3.0), ("x", 0.0)):
+        estimate(tmp_path / "found", [0.0, 0.0, error], f"{name}.npz")
+    (tmp_path / "truths" / "notes.md").write_text("taken on a Tuesday")
+    return tmp_path
+
+
+@pytest.mark.parametrize("truths", ["truths", "truths/*.tum"])
+def test_many_estimates_are_paired_with_truths_by_name(truths, pairs, capsys) -> None:
+    arguments = ["evaluate", str(pairs / truths), str(pairs / "found" / "*.npz")]
+    # Of x nobody knows the truth, which is bad data; c is a note.
+    assert main([*arguments, "--json"]) == 1
+    streams = capsys.readouterr()
+    found = json.loads(streams.out)
+    assert found["schema"] == "kreisel.evaluate-many/1"
+    names = [(Path(each["truth"]).name, Path(each["estimate"]).name) for each in found["files"]]
+    assert names == [("a.tum", "a.npz"), ("b.tum", "b.npz")]
+    assert found["mean"]["heading_rmse_deg"] == pytest.approx(2.0, rel=1e-9)
+    assert [Path(each["file"]).name for each in found["failed"]] == ["x.npz"]
+    assert [Path(name).name for name in found["truths_without_estimate"]] == ["c.tum"]
+    assert "none of" in streams.err and "is called 'x'" in streams.err
+    assert "truths without an estimate:" in streams.err and "notes.md" not in streams.err
+    assert main(arguments) == 1
+    rows = {line.split()[0]: line.split() for line in capsys.readouterr().out.splitlines()}
+    assert rows[str(pairs / "found" / "b.npz")][2:4] == ["3", "3"]
+    assert rows["mean"][3:5] == ["2", "2"]
+
+
+def test_several_estimates_against_one_truth(pairs, capsys) -> None:
+    truth = str(pairs / "truths" / "a.tum")
+    both = [str(pairs / "found" / f"{name}.npz") for name in "ab"]
+    found = report(capsys, truth, *both)
+    assert [each["truth"] for each in found["files"]] == [truth] * 2
+    assert main(["evaluate", truth, *both, "--max-total-rmse-deg", "2"]) == 3
+    assert f"{both[1]}: total RMSE in deg: 3, allowed 2" in capsys.readouterr().err
+
+
+def test_folders_tell_estimates_of_one_name_apart(tmp_path, capsys) -> None:
+    for run, error in (("one", 1.0), ("two", 2.0)):
+        for folder in ("truths", "found"):
+            (tmp_path / folder / run).mkdir(parents=True)
+        turned = exp_so3(np.radians([0.0, 0.0, error])) @ R
+        kreisel.write(tmp_path / "truths" / run / "imu.tum", kreisel.Poses(T, np.ones((N, 3)), turned))
+        estimate(tmp_path / "found" / run, [0.0, 0.0, error], "imu.npz")
+    patterns = [str(tmp_path / folder / "**" / "imu.*") for folder in ("truths", "found")]
+    found = report(capsys, *patterns, "-o", str(tmp_path / "out"))
+    assert found["mean"]["total_rmse_deg"] < 1e-6
+    assert (tmp_path / "out" / "one" / "imu" / "errors.png").is_file()
+    assert json.loads((tmp_path / "out" / "summary.json").read_text()) == found
+    assert main(["evaluate", patterns[0], str(tmp_path / "found" / "one" / "imu.npz"), "--dry-run"]) == 0
+    kreisel.write(tmp_path / "truths" / "one" / "imu.csv", kreisel.AttitudeHistory(T, R))
+    assert main(["evaluate", *patterns]) == 1
+    assert "imu.npz has several truths" in capsys.readouterr().err
+
+
+def test_a_dry_run_of_many_writes_nothing(pairs, capsys) -> None:
+    out = pairs / "out"
+    truths, found = str(pairs / "truths"), str(pairs / "found" / "[ab].npz")
+    assert main(["evaluate", truths, found, "-o", str(out), "--dry-run"]) == 0
+    text = capsys.readouterr().out
+    assert f"would write: {out / 'summary.json'}" in text and str(out / "a" / "errors.png") in text
+    assert not out.exists()
+    assert main(["evaluate", truths, str(pairs / "none" / "*.npz")]) == 2
+    assert "no file fits" in capsys.readouterr().err

@@ -220,6 +220,12 @@ def warm(folder):
     assert main(["estimate", folder + "/small.npz", "-o", folder + "/small_out.npz"]) == 0
 """
 
+COMPILE = """
+warm(sys.argv[1])
+print(sum(len(block) for block in kreisel.run_long(kreisel.DcmFilter(), blocks(2))))
+kreisel.run(kreisel.DcmFilter(), kreisel.read(sys.argv[1] + "/small.npz"))
+"""
+
 FLY = """
 warm(sys.argv[1])
 limit(200)
@@ -257,12 +263,20 @@ def limited(program: str, folder: Path) -> str:
 on_linux = pytest.mark.skipif(sys.platform != "linux", reason="reads its own size from /proc")
 
 
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Every kernel is in the cache: what a compiler leaves of its memory would be room that no limit counts."""
+    limited(COMPILE, tmp_path_factory.mktemp("compiled"))
+
+
 @on_linux
+@pytest.mark.usefixtures("compiled")
 def test_ten_million_samples_in_two_hundred_megabytes(tmp_path: Path) -> None:
     assert limited(FLY, tmp_path).endswith("10000000\nand no column of them would fit\n")
 
 
 @on_linux
+@pytest.mark.usefixtures("compiled")
 def test_a_file_in_less_memory_than_it_takes(tmp_path: Path) -> None:
     assert limited(DISK, tmp_path).endswith("and not as a whole\n")
     found = np.load(tmp_path / "att.npz", mmap_mode="r")

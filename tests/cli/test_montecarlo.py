@@ -42,6 +42,38 @@ def test_it_writes_what_can_be_loaded_again(scenario, tmp_path, capsys):
     assert Ensemble.load(out).runs == 20
 
 
+def test_names_that_vary_have_no_correlation(scenario, tmp_path, capsys):
+    out = tmp_path / "out"
+    vary = ["--vary", 'imu.imu.sensor=choice("bmi088", "mpu6050")']
+    assert main(["montecarlo", str(scenario), "--runs", "1", *vary, "-o", str(out)]) == 0
+    assert capsys.readouterr().out.startswith("1 run of ")
+    assert not list(out.glob("*-drivers.png"))
+
+
+def test_what_chance_makes_is_no_driver(scenario, tmp_path, capsys):
+    vary = ["--vary", "imu.imu.p_BS[0]=uniform(0, 1)"]
+    options = ["--runs", "4", *vary, "--no-pictures", "-o", str(tmp_path / "out")]
+    assert main(["montecarlo", str(scenario), *options]) == 0
+    # 2 / sqrt(4) is 1, which no correlation exceeds.
+    assert "no rank correlation above 1, which 4 runs show by chance" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("added", "told"),
+    [
+        ("", True),
+        ("environment = { field_N_uT = [0, 20, -44] }", False),
+        ("filter = { kind = 'dcm', align = 'heading' }", False),
+    ],
+)
+@pytest.mark.parametrize("command", [["run"], ["montecarlo", "--runs", "2"]])
+def test_a_heading_that_nothing_tells_is_named(command, added, told, tmp_path, capsys):
+    text = TEXT.replace('filter = { kind = "dcm" }', added) if "filter" in added else TEXT + added
+    (tmp_path / "s.toml").write_text(text)
+    assert main([*command, str(tmp_path / "s.toml"), "--no-pictures", "-o", str(tmp_path / "out")]) == 0
+    assert ("nothing tells dcm where north is" in capsys.readouterr().out) == told
+
+
 def test_json_is_the_report_alone(scenario, tmp_path, capsys):
     out = tmp_path / "out"
     options = ["--runs", "4", "--seed", "9", "--threads", "1", "--no-pictures", "--json", "-o", str(out)]

@@ -211,10 +211,10 @@ def test_bad_files_end_in_one_line_and_exit_code_1(tmp_path, capsys, text, messa
     assert not (tmp_path / "out").exists()
 
 
-def test_a_folder_that_cannot_be_made_is_named(poses, tmp_path, capsys):
+def test_a_file_where_the_folder_would_be_is_named(poses, tmp_path, capsys):
     (tmp_path / "file").write_text("")
-    assert main(["simulate", str(poses), "-o", str(tmp_path / "file" / "out"), "--no-pictures"]) == 1
-    assert "cannot make the folder" in capsys.readouterr().err
+    assert main(["simulate", str(poses), "-o", str(tmp_path / "file" / "out"), "--no-pictures"]) == 2
+    assert f"--output must be a folder; {tmp_path / 'file'} is a file." in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

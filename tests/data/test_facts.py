@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from kreisel.data.attitude import AttitudeHistory, Reference
 from kreisel.data.environment import STANDARD_GRAVITY as G
-from kreisel.data.facts import clock_of, facts, unit_doubts
+from kreisel.data.facts import Units, clock_of, facts, unit_doubts
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
 from kreisel.maths.rotations import exp_so3
@@ -50,6 +52,10 @@ def test_sound_recordings_raise_no_doubt() -> None:
         (level(mag=480.0), "looks like mgauss"),
         (level(mag=48e3), "looks like nT"),
         (level(up=-1.0), "--frame ned-frd"),
+        (replace(level(), accel=np.zeros((N, 3))), "reads zero"),
+        (replace(level(), t=1e3 * T), "every 10 s: stamps in ms,"),
+        (replace(level(), t=1e6 * T), "stamps in us,"),
+        (replace(level(), t=1e9 * T), "stamps in ns,"),
     ],
 )
 def test_units_that_cannot_be_name_the_likely_one(recording: ImuRecording, likely: str) -> None:
@@ -108,3 +114,10 @@ def test_attitude_that_jumps_is_doubted() -> None:
     R = spinning(0.0)
     R[100:] = np.diag([-1.0, -1.0, 1.0])
     assert "jumps at 314.2 rad/s" in facts(AttitudeHistory(T, R)).doubts[0]
+
+
+def test_a_sensor_that_never_reads_is_named() -> None:
+    nothing = np.full((N, 3), np.nan)
+    assert Units.of(level()).silent() == []
+    assert Units.of(replace(level(), gyro=nothing)).silent() == ["gyroscope"]
+    assert Units.of(replace(level(), gyro=nothing, accel=nothing)).silent() == ["gyroscope", "accelerometer"]

@@ -1,4 +1,4 @@
-"""Poses thinned to the rate at which they were seen."""
+"""Poses thinned to the rate at which they were seen, which they tell themselves where they were interpolated."""
 
 from __future__ import annotations
 
@@ -27,3 +27,11 @@ def test_thinned_poses_come_no_faster_than_asked(rate_hz, every) -> None:
 def test_a_rate_that_is_none_is_refused(rate_hz) -> None:
     with pytest.raises(ValueError, match="rate_hz must be a positive number"):
         POSES.thinned(rate_hz)
+
+
+def test_the_cameras_rate_is_told_by_the_poses(rng) -> None:
+    t, seen = np.arange(600) / (2000.0 / 7.0), np.arange(-1.0, 255.0) / 120.0
+    p_NB = [np.interp(t, seen, column) for column in rng.normal(size=(3, len(seen)))]
+    # They are two seconds long.
+    assert Poses(t, np.transpose(p_NB)).camera_rate() == pytest.approx(120.0, abs=0.5)
+    assert POSES.camera_rate() is None

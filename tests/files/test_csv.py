@@ -107,7 +107,7 @@ ROW = "0,1,2,3\n1,1,2,3\n"
     [
         ("t,p_x,p_y,pz_\n" + ROW, r"no column p_z\. Did you mean 'pz_'"),
         ("t,p_x,p_y,p_z [furlong]\n" + ROW, r"column 'p_z': 'furlong' is no unit of length"),
-        ("a,b,c,d\n" + ROW, r"no column p_x\..*The file has: a, b, c, d\."),
+        ("a,b,c,d\n" + ROW, r"no column by a name that is needed\..*The file has: a, b, c, d\."),
         ("x,y,z\n1,2,3\n", r"no time column"),
         ("t,x,y,z\n0,1,2,3\n1,1,2\n2,1,2,3\n", r"line 3: 3 fields where 4 are expected"),
         ("t,x,y,z\n0,1,2,3\n1,1,2\n", r"line 3: 3 fields where 4 .*cut off"),

@@ -1,12 +1,15 @@
 """Real recordings against simulated twins: what cameras saw of a hand-held IMU, and what it read.
 
-The cameras ran at 120 Hz (the files' positions have images of the motion on both sides of it), the poses come
-interpolated to 286 Hz: every third is taken. Everything else is as it comes, the same for all three.
+The cameras ran at 120 Hz, the poses come interpolated to 286 Hz on straight lines, which they show themselves: every
+third is taken. Everything else is as it comes, the same for all three.
 """
+
+import json
 
 import numpy as np
 import pytest
 
+from kreisel.cli.main import main
 from kreisel.evaluate.align import align
 from kreisel.files.doors import read
 from kreisel.simulate.trajectories.sampled import SampledTrajectory
@@ -55,3 +58,22 @@ def test_one_imu_has_one_place_and_one_clock(found):
     for a in alignments:
         # The markers' frame was turned onto the sensor's by the benchmark's authors.
         assert np.trace(a.mount.R_BS) > 1.0 + 2.0 * np.cos(0.01)
+
+
+def test_the_cameras_rate_is_found(shared_data):
+    for path in (shared_data / "broad").glob("*.mat"):
+        # Half a minute to a minute of each tells their clock to a thirtieth of a hertz.
+        assert read(path).poses.camera_rate() == pytest.approx(120.015, abs=0.03)
+
+
+def test_poses_that_were_not_interpolated_have_none(shared_data):
+    names = ("euroc_V1_02_groundtruth.csv", "tum_freiburg1_xyz_groundtruth.txt")
+    assert [read(shared_data / "poses" / name, kind="poses").camera_rate() for name in names] == [None, None]
+
+
+def test_the_command_needs_no_rate(shared_data, capsys):
+    (path,) = (shared_data / "broad").glob("16_*.mat")
+    assert main(["compare", str(path), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert "straight lines from 120 Hz: 16708 of 50124 are taken" in found["notes"][0]
+    assert found["gyro"]["rmse_all_axes"] < 0.062 and found["accel"]["rmse_all_axes"] < 0.37

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -29,11 +31,32 @@ def test_fans_show_the_median(ensemble):
 
 def test_histograms_count_every_run(ensemble):
     for axes in plot_histograms(ensemble).axes:
-        assert sum(bar.get_height() for bar in axes.patches) + (
-            int(axes.get_title(loc="left").split(", ")[1].split()[0])
-            if "beyond" in axes.get_title(loc="left")
-            else 0
-        ) == len(ensemble)
+        beyond = re.search(r"(\d+) more beyond", axes.get_xlabel())
+        left_out = int(beyond[1]) if beyond else 0
+        assert sum(bar.get_height() for bar in axes.patches) + left_out == len(ensemble)
+
+
+def test_a_single_run_stands_in_the_middle():
+    for axes in plot_histograms(monte_carlo(STILL, 1)).axes:
+        (x, _), width = axes.lines[0].get_xdata(), np.diff(axes.get_xlim())[0]
+        assert axes.get_xlim()[0] + 0.4 * width < x < axes.get_xlim()[1] - 0.4 * width
+
+
+def test_legends_look_as_what_they_stand_for(ensemble):
+    """Bands lie over each other, the inner one darkest; a kind's patch is plain, whatever its first bar is."""
+    alphas = [handle.get_alpha() for handle in plot_fans(ensemble).axes[0].get_legend().get_patches()]
+    np.testing.assert_allclose(alphas, [0.1, 1.0 - 0.9 * 0.78, 1.0 - 0.9 * 0.78 * 0.6])
+    (legend,) = plot_tornado(ensemble).legends
+    hatched = {
+        text.get_text(): bool(patch.get_hatch())
+        for text, patch in zip(legend.get_texts(), legend.get_patches(), strict=True)
+    }
+    assert hatched == {
+        "heading RMSE": False,
+        "inclination RMSE": False,
+        "by its distance from the median": True,
+        "as chance makes them": False,
+    }
 
 
 def test_a_tornado_needs_something_that_varies(ensemble):

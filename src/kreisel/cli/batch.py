@@ -36,6 +36,17 @@ def expanded(given: Sequence[str]) -> list[str]:
     return list(dict.fromkeys(paths))
 
 
+def holds_files(path: Path) -> bool:
+    """Whether it is a folder, and none that is read like a file, such as a bag of ROS 2."""
+    return path.is_dir() and not (path / "metadata.yaml").exists()
+
+
+def in_the_way(folder: Path) -> Path | None:
+    """The file that is where `folder`, or a folder above it, would have to be."""
+    there = next((path for path in (folder, *folder.parents) if path.exists()), folder)
+    return there if there.exists() and not there.is_dir() else None
+
+
 def derived(paths: Sequence[str], output: str, suffix: str) -> list[Path]:
     """Where each of `paths` goes: `output`, or where that is a folder, a file in it with the name and `suffix`.
 
@@ -47,8 +58,9 @@ def derived(paths: Sequence[str], output: str, suffix: str) -> list[Path]:
     inside = output.endswith(("/", "\\")) or (place.is_dir() and suffix)
     if len(paths) == 1 and not inside:
         outputs = [place]
-    elif place.exists() and not place.is_dir():
-        raise UsageError(f"-o must be a folder for {len(paths)} inputs; {place} is a file.")
+    elif obstacle := in_the_way(place):
+        several = f" for {len(paths)} inputs" if len(paths) > 1 else ""
+        raise UsageError(f"-o must be a folder{several}; {obstacle} is a file.")
     else:
         outputs = [place / f"{Path(path).stem}{suffix}" for path in paths]
         if any(_taken_twice(paths, outputs)):

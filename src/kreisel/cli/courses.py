@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from kreisel.cli.inputs import read_input
+from kreisel.cli.inputs import add_max_gap, read_input
 from kreisel.cli.values import UsageError, as_typed, number, one_of, typed
 from kreisel.data.checks import Array, choice
 from kreisel.data.frames import to_enu_flu
@@ -99,12 +99,7 @@ def add_course_arguments(parser: ArgumentParser) -> None:
         help="noise of the poses where it is known, such as 0.1mm or 0.1mm,0.01deg; x/y/z for one per axis, such as "
         "0.1/0.1/0.3mm (default: found from the poses)",
     )
-    group.add_argument(
-        "--max-gap",
-        type=number("seconds", lowest=0.0),
-        metavar="S",
-        help="longest time without poses that is bridged (default 0.25 s)",
-    )
+    add_max_gap(group)
     group = parser.add_argument_group("waypoints and profiles")
     limit = number(above=0.0)
     group.add_argument("--max-speed", type=limit, metavar="M/S", help="limit on the way along waypoints")

@@ -6,6 +6,7 @@ import math
 from argparse import Namespace
 from collections.abc import Iterable, Iterator, Sequence
 from operator import itemgetter
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -84,7 +85,7 @@ def table_of(args: Namespace, files: Sequence[dict[str, Any]]) -> list[str]:
         lines.append(
             f"written: {f'{len(files)} files in {args.output}' if len(files) > 1 else files[0]['output']}"
         )
-    return [*lines, "next: " + _next(files[0])]
+    return [*lines, "next: " + (_next(files[0]) if len(files) == 1 else _next_of_several(args, files))]
 
 
 def _row(file: dict[str, Any]) -> list[str]:
@@ -167,3 +168,9 @@ def _most_biased(files: Sequence[dict[str, Any]]) -> dict[str, Any] | None:
 def _next(file: dict[str, Any]) -> str:
     truth = file["file"] if file["has_reference"] else "TRUTH"
     return f"kreisel evaluate {truth} {file['output'] or 'attitude.tum'} -o report/"
+
+
+def _next_of_several(args: Namespace, files: Sequence[dict[str, Any]]) -> str:
+    place = Path(args.output or "attitudes")
+    suffix = Path(files[0]["output"] or ".tum").suffix
+    return f"kreisel evaluate TRUTHS/ '{place / '**' / f'*{suffix}'}' -o report/"

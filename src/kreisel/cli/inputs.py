@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from argparse import ArgumentParser, Namespace
+from argparse import ArgumentParser, Namespace, _ActionsContainer
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -71,6 +71,16 @@ def add_input_arguments(parser: ArgumentParser, many: bool = False) -> None:
         metavar="TOPIC",
         help="topic of a ROS bag, as in --topic /imu/data or --topic /tf:odom.base_link (kreisel info lists them); "
         "a second one names the magnetometer's, where it is not clear",
+    )
+
+
+def add_max_gap(parser: _ActionsContainer) -> None:
+    """--max-gap, which is None where it is not given."""
+    parser.add_argument(
+        "--max-gap",
+        type=number("seconds", lowest=0.0),
+        metavar="S",
+        help="longest time without poses that is bridged (default 0.25 s)",
     )
 
 
@@ -143,21 +153,38 @@ def check_unit(option: str, unit: str, group: str) -> None:
         raise UsageError(f"{option}: {error}") from None
 
 
-def check_units(recording: ImuRecording, path: str, trusted: bool, unit: str = "accel_x='ax [g]'") -> None:
+def add_trust_units(parser: _ActionsContainer) -> None:
+    """--trust-units, which `check_units` takes."""
+    parser.add_argument("--trust-units", action="store_true", help="go on where units look impossible")
+
+
+def check_units(recording: ImuRecording, path: str, trusted: bool, *, unit: str = "", by: str = "") -> None:
     """Refuse impossible units unless they are trusted; doubtful ones are a note on stderr.
 
-    unit : how the unit of a column is named, for the complaint.
+    unit : how the unit of a column is named, for the complaint, where columns are not those of rates and forces.
+    by : what does so, of a command that has no --column.
     """
-    check_units_of(Units.of(recording), path, trusted, unit)
+    check_units_of(Units.of(recording), path, trusted, unit=unit, by=by)
 
 
-def check_units_of(units: Units, path: str, trusted: bool, unit: str = "accel_x='ax [g]'") -> None:
+CONVERT = "kreisel convert FILE OUT.csv "
+"""What names the units of files for commands that have no --column."""
+
+
+def check_readings_of(units: Units, path: str) -> None:
+    """Refuse a recording whose gyroscope or accelerometer never reads anything: a filter would hold its start."""
+    silent = units.silent()
+    if silent:
+        raise ValueError(f"{path}: no reading of the {' and the '.join(silent)}: every row is NaN.")
+
+
+def check_units_of(units: Units, path: str, trusted: bool, *, unit: str = "", by: str = "") -> None:
     """The same of what was gathered from blocks."""
     impossible = units.impossible()
     if impossible and not trusted:
+        unit = unit or ("accel_x='ax [g]'" if "accel" in impossible[0] else "gyro_x='gx [deg/s]'")
         raise ValueError(
-            f"{path}: {' And '.join(impossible)} Name the unit (--column {unit}), "
-            "or insist with --trust-units."
+            f"{path}: {' And '.join(impossible)} Name the unit ({by}--column {unit}), or insist with --trust-units."
         )
     for doubt in units.doubts():
         note(f"{path}: {doubt}")

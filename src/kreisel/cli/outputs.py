@@ -15,7 +15,7 @@ import numpy as np
 from kreisel.atomic import is_standard_output, refuse_unwritable, replacing
 from kreisel.cli.notes import is_quiet
 from kreisel.cli.progress import Progress
-from kreisel.cli.values import UsageError, as_typed
+from kreisel.cli.values import as_typed
 from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount, Note
 from kreisel.data.recording import ImuRecording
@@ -75,13 +75,6 @@ class Simulation:
     mounts: Sequence[Mount]
     recordings: Sequence[ImuRecording | ImuIncrements]
     recorded: Sequence[Recorded] = ()
-
-
-def output_folder(text: str) -> Path:
-    """The folder that an option names; for argparse, as `type`."""
-    if not text.strip():
-        raise UsageError("takes the name of a folder; got an empty one. Write . for the current folder.")
-    return Path(text)
 
 
 def check_format(output: str, format: str | None = None) -> None:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kreisel.cli.values import UsageError, as_typed
 from kreisel.data.environment import Environment
+
+if TYPE_CHECKING:
+    from kreisel.study.scenario import Scenario
 
 
 def add_place_arguments(parser: ArgumentParser, dated: bool = True) -> None:
@@ -92,3 +96,16 @@ def describe_declination(environment: Environment) -> str:
     degrees = float(np.rad2deg(environment.declination))
     told = f"tell filters by --declination-deg{'=' if degrees < 0.0 else ' '}{degrees:.2f}"
     return f"declination {abs(degrees):.2f} deg {'west' if degrees < 0.0 else 'east'} of true north ({told})"
+
+
+def describe_free_heading(scenario: Scenario) -> list[str]:
+    """A line where a filter cannot know north and its errors count as if it could."""
+    from kreisel.study.building import surroundings
+
+    lost = [each.name for each in scenario.filters if each.align is None and each.start_error_deg is None]
+    if not lost or surroundings(scenario.environment).field_N_uT is not None:
+        return []
+    return [
+        f"no magnetic field, so that nothing tells {', '.join(lost)} where north is: "
+        'align = "heading" in its table leaves the constant part out of its errors'
+    ]

@@ -17,7 +17,7 @@ from kreisel.cli.notes import complain, kept_notes, note, sentence, warnings_as_
 from kreisel.cli.progress import Progress
 from kreisel.cli.values import UsageError, as_typed, typed, whole
 
-_ADDRESS = re.compile(r"[a-z]+://.+:\d+")
+_ADDRESS = re.compile(r"(tcp|tls|ucx|wss?)://.+:\d+")
 
 Block = TypeVar("Block")
 
@@ -32,7 +32,7 @@ def add_sweep_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument(
         "--backend",
-        type=typed(_backend),
+        type=typed(backend),
         metavar="WHERE",
         help="several files on Dask workers: dask starts them here; tcp://HOST:PORT has them, and the files' folder",
     )
@@ -43,7 +43,8 @@ def add_sweep_arguments(parser: ArgumentParser) -> None:
     )
 
 
-def _backend(text: str) -> str:
+def backend(text: str) -> str:
+    """A backend's name or address, whose form alone is checked; for argparse, as `typed(backend)`."""
     from kreisel.study.engine import LOCAL
 
     if text != LOCAL and not _ADDRESS.fullmatch(text):

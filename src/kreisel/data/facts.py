@@ -107,6 +107,10 @@ def impossible_units(recording: ImuRecording) -> list[str]:
     return Units.of(recording).impossible()
 
 
+_FEWEST_STAMPS = 10
+_TIMES = {"ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+
+
 class Units:
     """What the numbers of a recording say of their units, gathered from all of its blocks."""
 
@@ -115,6 +119,7 @@ class Units:
         self._rates = self._fast = 0
         self._fastest = 0.0
         self._rows, self._sum = 0, np.zeros(3)
+        self._stamps, self._first, self._last = 0, np.nan, np.nan
         self._mag = False
 
     @classmethod
@@ -126,6 +131,9 @@ class Units:
 
     def add(self, block: ImuRecording) -> None:
         """Take in one more block."""
+        if len(block):
+            self._first = self._first if self._stamps else float(block.t[0])
+            self._stamps, self._last = self._stamps + len(block), float(block.t[-1])
         self._force.add(_norms(block.accel))
         rates = _norms(block.gyro)
         self._rates += rates.size
@@ -155,6 +163,11 @@ class Units:
             )
         return doubts
 
+    def silent(self) -> list[str]:
+        """The sensors of which not one row is a reading."""
+        readings = {"gyroscope": self._rates, "accelerometer": self._rows}
+        return [name for name, count in readings.items() if count == 0]
+
     def doubts(self) -> list[str]:
         """Sentences about everything that looks wrong."""
         doubts = self.impossible()
@@ -163,7 +176,19 @@ class Units:
             doubts.append(f"the gyroscope reaches {self._fastest:.4g} rad/s: faults, or deg/s?")
         if self._mag:
             doubts += _field_doubts(self._field.value())
-        return doubts + self._axis_doubts()
+        if self._rows and self._force.value() == 0.0:
+            doubts.append("the accelerometer reads zero: it is dead, or fell freely all the time.")
+        return doubts + self._axis_doubts() + self._time_doubts()
+
+    def _time_doubts(self) -> list[str]:
+        if self._stamps < _FEWEST_STAMPS:
+            return []
+        step = (self._last - self._first) / (self._stamps - 1)
+        # No IMU is as slow as one sample a second, nor as fast as 50 kHz.
+        units = [unit for unit, one in _TIMES.items() if 2e-5 < step * one < 1.0]
+        if 2e-5 < step < 1.0 or not units:
+            return []
+        return [f"a sample comes every {step:.4g} s: stamps in {units[0]}, where s are expected?"]
 
     def _axis_doubts(self) -> list[str]:
         if self._rows == 0:

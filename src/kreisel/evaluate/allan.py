@@ -197,6 +197,8 @@ def _longest(t: Array, present: npt.NDArray[np.bool_], uneven: npt.NDArray[np.bo
     breaks = np.flatnonzero(uneven | ~present[:-1] | ~present[1:])
     firsts, lasts = np.append(0, breaks + 1), np.append(breaks, len(t) - 1)
     k = int(np.argmax(lasts - firsts))
+    if lasts[k] == firsts[k]:
+        return "No two that follow each other are there."
     # Outwards to six digits, which --start and --end take: the ends stay in.
     first, last = (
         1e-6 * turn(1e6 * (t[row] - t[0])) for turn, row in ((np.floor, firsts[k]), (np.ceil, lasts[k]))

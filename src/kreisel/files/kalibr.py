@@ -17,6 +17,7 @@ import numpy as np
 from kreisel.atomic import replacing
 from kreisel.data.checks import LARGEST, scalar
 from kreisel.data.noise import NoiseModel
+from kreisel.files.small import read_small
 
 _NUMBERS = {
     "gyroscope_noise_density": ("gyro", "white_noise", "rad/s/sqrt(Hz)", "N, angle random walk"),
@@ -26,7 +27,6 @@ _NUMBERS = {
         "accel", "bias_random_walk", "m/s^3/sqrt(Hz)", "K, random walk of the bias",
     ),
 }  # fmt: skip
-_MAX_BYTES = 1_000_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,13 +89,7 @@ def _number(value: float) -> str:
 def _table(path: Path) -> dict[str, Any]:
     import yaml
 
-    try:
-        with path.open("rb") as stream:
-            data = stream.read(_MAX_BYTES + 1)
-    except OSError as error:
-        raise type(error)(f"cannot read {path}: {error.strerror}.") from None
-    if len(data) > _MAX_BYTES:
-        raise ValueError(f"{path} is no imu.yaml: it is larger than {_MAX_BYTES // 1000} kB.")
+    data = read_small(path, "imu.yaml")
     try:
         # An old habit of OpenCV's writers, which PyYAML does not take for a comment.
         table = yaml.safe_load(data.removeprefix(b"%YAML:1.0"))

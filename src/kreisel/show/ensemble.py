@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from kreisel.data.checks import Array
 from kreisel.show import style
@@ -16,6 +19,8 @@ from kreisel.study.ensemble.ensemble import LEVELS, Ensemble
 _KINDS = {"heading": style.XYZ[2], "inclination": style.XYZ[0]}
 _BANDS = ((0, 6, "all runs", 0.10), (1, 5, "9 in 10", 0.22), (2, 4, "half of them", 0.40))
 _MOST_BARS = 12
+_HATCH = "////"
+_BAR_ALPHA = 0.85
 
 
 def plot_fans(ensemble: Ensemble, estimate: int = 0) -> Figure:
@@ -24,42 +29,48 @@ def plot_fans(ensemble: Ensemble, estimate: int = 0) -> Figure:
     figure, panels = style.stacked(2, f"{_runs(ensemble)}: errors of {each.filter} on {each.imu}")
     for axes, (kind, colour) in zip(panels, _KINDS.items(), strict=True):
         quantiles = each.quantiles[kind]
-        for low, high, label, alpha in _BANDS:
+        for low, high, _, alpha in _BANDS:
             axes.fill_between(
-                ensemble.t,
-                quantiles[low],
-                quantiles[high],
-                color=colour,
-                alpha=alpha,
-                linewidth=0.0,
-                label=label,
+                ensemble.t, quantiles[low], quantiles[high], color=colour, alpha=alpha, linewidth=0.0
             )
-        axes.plot(
-            ensemble.t,
-            quantiles[LEVELS.index(0.5)],
-            color=style.INK,
-            linewidth=style.LINE_WIDTH,
-            label="median",
-        )
+        median = quantiles[LEVELS.index(0.5)]
+        axes.plot(ensemble.t, median, color=style.INK, linewidth=style.LINE_WIDTH)
         style.caption(axes, f"{kind} error", "[deg]")
         _zoom(axes, quantiles, signed=kind == "heading")
+        _legend_above(axes, _band_handles(colour))
     panels[-1].set_xlabel("time after the start [s]", fontsize=style.LABEL_SIZE, color=style.INK)
     panels[0].set_xlim(float(ensemble.t[0]), float(ensemble.t[-1]))
-    panels[0].legend(
-        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, frameon=False, fontsize=style.TICK_SIZE,
-        labelcolor=style.INK, borderaxespad=0.1, handlelength=1.4, columnspacing=1.2,
-    )  # fmt: skip
     return figure
 
 
+def _band_handles(colour: str) -> list[Artist]:
+    """What stands for each band, as dark as the bands are that lie over each other there."""
+    handles: list[Artist] = []
+    bare = 1.0
+    for _, _, label, alpha in _BANDS:
+        bare *= 1.0 - alpha
+        handles.append(Patch(color=colour, alpha=1.0 - bare, linewidth=0.0, label=label))
+    return [*handles, Line2D([], [], color=style.INK, linewidth=style.LINE_WIDTH, label="median")]
+
+
+def _legend_above(axes: Axes, handles: Sequence[Artist]) -> None:
+    axes.legend(
+        handles=handles, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=len(handles), frameon=False,
+        fontsize=style.TICK_SIZE, labelcolor=style.INK, borderaxespad=0.1, handlelength=1.4, columnspacing=1.2,
+    )  # fmt: skip
+
+
 def _zoom(axes: Axes, quantiles: Array, signed: bool) -> None:
-    """Show nine runs in ten wholly, and of the others what a little more room shows: a start may be far off."""
+    """Show everything, or where a start is far off or a run lost, nine in ten of what comes after the start."""
     settled = quantiles[:, quantiles.shape[1] // 20 :]
-    top = 1.15 * max(float(settled[5].max()), 1e-9)
-    reach = (
-        1.3 * max(abs(float(settled[1].min())), top) if signed else max(top, 1.02 * float(settled[6].max()))
-    )
-    axes.set_ylim(-reach if signed else 0.0, reach)
+    ends = []
+    for side, nine, every in ((-1.0, 1, 0), (1.0, 5, 6)) if signed else ((1.0, 5, 6),):
+        most = 1.15 * float((side * settled[nine]).max())
+        all_runs = 1.03 * float((side * quantiles[every]).max())
+        ends.append(side * (all_runs if most < all_runs < 2.5 * most else most))
+    low, high = min(*ends, 0.0), max(*ends, 0.0)
+    # Zero stays in sight, and errors that are all zero have a height too.
+    axes.set_ylim(low - 0.05 * (high - low) * signed, high + 0.05 * (high - low) * signed + 1e-9)
 
 
 def plot_histograms(ensemble: Ensemble, estimate: int = 0) -> Figure:
@@ -76,30 +87,36 @@ def plot_histograms(ensemble: Ensemble, estimate: int = 0) -> Figure:
 
 def _histogram(axes: Axes, kind: str, values: Array, colour: str) -> None:
     style.dress(axes)
-    middle, p95 = np.quantile(values, [0.5, 0.95])
-    # A few lost runs must not press all others into one bar: they are counted in the caption.
+    # As the ensemble's own statistics, which are those of runs there are.
+    middle, p95 = np.quantile(values, [0.5, 0.95], method="inverted_cdf")
+    # A few lost runs must not press all others into one bar: they are counted below.
     top = min(float(values.max()), 2.0 * float(p95))
     beyond = int((values > top).sum())
     bins = int(np.clip(2.0 * len(values) ** (1.0 / 3.0), 8, 60))
     lowest = float(values.min())
+    span = (lowest, top) if top > lowest else (lowest - 0.5, lowest + 0.5)
     axes.hist(
-        values[values <= top], bins=bins, range=(lowest, top if top > lowest else lowest + 1.0), color=colour,
-        alpha=0.75, edgecolor=style.PAPER, linewidth=0.5,
-    )  # fmt: skip
-    for value, text, dashes in ((middle, "median", (0, ())), (p95, "95 %", (0, (4.0, 2.0)))):
-        axes.axvline(
-            float(value), color=style.INK, linewidth=1.1, linestyle=dashes, label=f"{text} {value:.3g}"
-        )
-    also = f", {beyond} beyond {top:.3g}" if beyond else ""
-    style.caption(axes, f"{kind} RMSE of each run{also}", "runs")
-    axes.set_xlabel("[deg]", fontsize=style.LABEL_SIZE, color=style.INK)
-    axes.legend(
-        fontsize=style.TICK_SIZE,
-        labelcolor=style.INK,
-        loc="upper right",
-        facecolor=style.PANEL,
-        edgecolor=style.GRID,
+        values[values <= top],
+        bins=bins,
+        range=span,
+        color=colour,
+        alpha=0.75,
+        edgecolor=style.PAPER,
+        linewidth=0.5,
     )
+    _legend_above(
+        axes,
+        [
+            axes.axvline(
+                float(value), color=style.INK, linewidth=1.1, linestyle=dashes, label=f"{text} {value:.3g}"
+            )
+            for value, text, dashes in ((middle, "median", (0, ())), (p95, "95 %", (0, (4.0, 2.0))))
+        ],
+    )
+    style.caption(axes, f"{kind} RMSE", "runs")
+    axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+    also = f"; {beyond} more beyond {top:.3g}" if beyond else ""
+    axes.set_xlabel(f"[deg]{also}", fontsize=style.LABEL_SIZE, color=style.INK)
 
 
 def plot_tornado(ensemble: Ensemble, estimate: int = 0) -> Figure:
@@ -124,33 +141,48 @@ def plot_tornado(ensemble: Ensemble, estimate: int = 0) -> Figure:
     axes = figure.subplots()
     style.dress(axes)
     chance = 2.0 / np.sqrt(ensemble.runs)
-    axes.axvspan(-chance, chance, color=style.GRID, linewidth=0.0, label="as chance makes them")
-    rows = np.arange(len(paths))
+    axes.axvspan(-chance, chance, color=style.GRID, linewidth=0.0)
     for (kind, colour), shift in zip(_KINDS.items(), (-0.19, 0.19), strict=True):
-        names, values = zip(*(bars[kind][path] for path in paths), strict=True)
-        drawn = axes.barh(
-            rows + shift, np.nan_to_num(values), height=0.36, color=colour, alpha=0.85, edgecolor=style.PAPER,
-            linewidth=0.0, label=f"{kind} RMSE",
-        )  # fmt: skip
-        for bar, name in zip(drawn, names, strict=True):
-            bar.set_hatch("////" if name.startswith("|") else "")
+        _bars(axes, [bars[kind][path] for path in paths], shift, colour)
     axes.axvline(0.0, color=style.INK, linewidth=0.9)
-    axes.set_yticks(rows, paths)
+    axes.set_yticks(range(len(paths)), paths)
     axes.set_ylim(len(paths) - 0.4, -0.6)
     axes.set_xlim(-1.0, 1.0)
     axes.set_xlabel(
-        "rank correlation: 1 the more the worse; hatched: the farther from the median the worse",
-        fontsize=style.LABEL_SIZE, color=style.INK,
-    )  # fmt: skip
-    figure.legend(
-        loc="outside lower center", ncols=3, frameon=False, fontsize=style.TICK_SIZE, labelcolor=style.INK
+        "rank correlation: 1 where more of it is always worse", fontsize=style.LABEL_SIZE, color=style.INK
     )
+    figure.legend(
+        handles=_tornado_handles(), loc="outside lower center", ncols=4, frameon=False,
+        fontsize=style.TICK_SIZE, labelcolor=style.INK,
+    )  # fmt: skip
     return figure
+
+
+def _bars(axes: Axes, drivers: Sequence[tuple[str, float]], shift: float, colour: str) -> None:
+    """A bar for each (name, correlation), hatched where the name is that of a distance."""
+    names, values = zip(*drivers, strict=True)
+    drawn = axes.barh(
+        np.arange(len(names)) + shift, np.nan_to_num(values), height=0.36, color=colour, alpha=_BAR_ALPHA,
+        edgecolor=style.PAPER, linewidth=0.0,
+    )  # fmt: skip
+    for bar, name in zip(drawn, names, strict=True):
+        bar.set_hatch(_HATCH if name.startswith("|") else "")
+
+
+def _tornado_handles() -> list[Artist]:
+    kinds = [
+        Patch(color=colour, alpha=_BAR_ALPHA, linewidth=0.0, label=f"{kind} RMSE")
+        for kind, colour in _KINDS.items()
+    ]
+    hatched = Patch(facecolor=style.FAINT_INK, edgecolor=style.PAPER, linewidth=0.0, hatch=_HATCH)
+    hatched.set_label("by its distance from the median")
+    return [*kinds, hatched, Patch(color=style.GRID, linewidth=0.0, label="as chance makes them")]
 
 
 def _runs(ensemble: Ensemble) -> str:
     name = ensemble.base.name
-    return f"{name}, {ensemble.runs} runs" if name else f"{ensemble.runs} runs"
+    count = f"{ensemble.runs} run{'' if ensemble.runs == 1 else 's'}"
+    return f"{name}, {count}" if name else count
 
 
 def plot_ensembles(

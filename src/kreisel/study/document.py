@@ -8,6 +8,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+from kreisel.files.small import read_small
 from kreisel.study.building import build
 from kreisel.study.scenario import (
     DisturbanceRecipe,
@@ -20,8 +21,6 @@ from kreisel.study.scenario import (
 )
 from kreisel.study.signature import Place, call, unknown
 
-# A scenario is written by hand; anything larger is some other file.
-_MAX_BYTES = 1_000_000
 _MAX_DEPTH = 10
 
 _TABLES = ("trajectory", "imu", "environment", "filter", "vary")
@@ -32,13 +31,7 @@ _PLURAL = {"imu": "imus", "filter": "filters"}
 
 def load(path: Path) -> Scenario:
     """The scenario in a file; see `Scenario.load`."""
-    try:
-        with path.open("rb") as stream:
-            data = stream.read(_MAX_BYTES + 1)
-    except OSError as error:
-        raise type(error)(f"cannot read {path}: {error.strerror}.") from None
-    if len(data) > _MAX_BYTES:
-        raise ValueError(f"{path} is no scenario: it is larger than {_MAX_BYTES // 1000} kB.")
+    data = read_small(path, "scenario")
     try:
         return parse(data.decode("utf-8-sig").replace("\r\n", "\n"), path.parent, str(path))
     except UnicodeDecodeError:

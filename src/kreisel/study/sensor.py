@@ -121,7 +121,9 @@ def _read_all(
     for imu in imus:
         if errs(imu):
             known.append(record(imu))
-        readings.append(known[-1].measured if errs(imu) else ideal(imu))
+            readings.append(known[-1].measured)
+        else:
+            readings.append(ideal(imu))
         if on_done is not None:
             on_done()
     return tuple(readings), tuple(known)

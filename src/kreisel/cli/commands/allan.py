@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kreisel.cli.batch import derived, expanded, over_files
-from kreisel.cli.inputs import add_input_arguments, check_units_of, read_content_blocks
+from kreisel.cli.inputs import add_input_arguments, add_trust_units, check_units_of, read_content_blocks
 from kreisel.cli.memory import is_long
+from kreisel.cli.output_options import add_output_folder
 from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
 from kreisel.cli.values import number
 from kreisel.data.checks import SAME_INSTANT
@@ -60,9 +61,7 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--sensor", choices=tuple(_SENSORS), default="both", help="which; both is gyro and accel (default)"
     )
-    parser.add_argument(
-        "-o", "--output", metavar="FOLDER", help="folder for pictures, allan.json and preset.toml"
-    )
+    add_output_folder(parser, "folder for pictures, allan.json and preset.toml")
     parser.add_argument(
         "--start",
         type=number("seconds"),
@@ -76,7 +75,7 @@ def configure(parser: ArgumentParser) -> None:
         help="leave out what comes after, s after the first sample",
     )
     add_report_arguments(parser, dry_run=True)
-    parser.add_argument("--trust-units", action="store_true", help="go on where units look impossible")
+    add_trust_units(parser)
     parser.epilog = _EXAMPLES
 
 
@@ -114,11 +113,11 @@ def run(args: Namespace) -> int:
     return batch.code
 
 
-def _folders(output: str | None, paths: Sequence[str]) -> dict[str, Path] | None:
+def _folders(output: Path | None, paths: Sequence[str]) -> dict[str, Path] | None:
     """Where the files of each recording go: FOLDER, or for several a folder of its own in there."""
     if output is None:
         return None
-    places = [Path(output)] if len(paths) == 1 else derived(paths, output, "")
+    places = [output] if len(paths) == 1 else derived(paths, str(output), "")
     return dict(zip(paths, places, strict=True))
 
 

@@ -8,10 +8,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kreisel.cli.output_options import add_output_folder
 from kreisel.cli.outputs import (
     Output,
     check_outputs,
-    output_folder,
     picture,
     write_json,
     write_outputs,
@@ -59,9 +59,7 @@ def configure(parser: ArgumentParser) -> None:
         type=one_of(_filter_names),
         help="a filter to run; may be given several times (default: ours, and all others installed)",
     )
-    parser.add_argument(
-        "-o", "--output", type=output_folder, metavar="FOLDER", help="folder for scores.json and a picture"
-    )
+    add_output_folder(parser, "folder for scores.json and a picture")
     add_report_arguments(parser, dry_run=True)
     parser.epilog = _EXAMPLES
 

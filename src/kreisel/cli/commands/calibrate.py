@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from kreisel.atomic import is_standard_output
-from kreisel.cli.inputs import add_input_arguments, read_input
+from kreisel.cli.inputs import add_input_arguments, add_trust_units, read_input
 from kreisel.cli.notes import note
 from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
 from kreisel.cli.values import UsageError, number
@@ -70,7 +70,7 @@ def configure(parser: ArgumentParser) -> None:
         "--apply", metavar="FILE", help="take the errors in this calibration file off the recording"
     )
     add_report_arguments(parser, dry_run=True)
-    parser.add_argument("--trust-units", action="store_true", help="go on where units look impossible")
+    add_trust_units(parser)
     parser.epilog = _EXAMPLES
 
 

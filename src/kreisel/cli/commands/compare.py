@@ -7,11 +7,12 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kreisel.cli.inputs import CONVERT, add_max_gap, add_trust_units, check_units
 from kreisel.cli.notes import complain
+from kreisel.cli.output_options import add_output_folder
 from kreisel.cli.outputs import (
     Output,
     describe_notes,
-    output_folder,
     picture,
     write_json,
     write_outputs,
@@ -24,6 +25,7 @@ from kreisel.cli.values import as_typed, number, one_of
 if TYPE_CHECKING:
     import numpy as np
 
+    from kreisel.data.motion import Note
     from kreisel.data.recording import ImuRecording
     from kreisel.data.trajectory import Poses
     from kreisel.evaluate.align import Alignment, SensorAlignment
@@ -36,7 +38,7 @@ SCHEMA = "kreisel.compare/1"
 _EXAMPLES = """\
 examples:
   kreisel compare real.csv poses.csv -o twin/
-  kreisel compare broad/07_undisturbed_fast_rotation_B.mat --pose-rate 120 -o twin/
+  kreisel compare broad/07_undisturbed_fast_rotation_B.mat -o twin/
   kreisel compare real.csv poses.csv --estimate all
   kreisel compare real.csv poses.csv --imu 0.02,0,0.05 --estimate gyro_clock,accel_clock
   kreisel compare real.csv simulated/truth.npz --estimate none --json --max-gyro-rmse 0.1
@@ -70,7 +72,8 @@ def configure(parser: ArgumentParser) -> None:
         "--pose-rate",
         type=number("hertz", above=0.0),
         metavar="HZ",
-        help="rate of the cameras, where the file has more poses than they saw: in-between ones are left out",
+        help="rate of the cameras, where the file has more poses than they saw: in-between ones are left out "
+        "(default: found from the poses where they lie on straight lines between; that of the file takes all)",
     )
     parser.add_argument(
         "--method",
@@ -78,6 +81,7 @@ def configure(parser: ArgumentParser) -> None:
         type=one_of(("auto", "spline", "smooth")),
         help="auto (default), spline or smooth",
     )
+    add_max_gap(parser)
     parser.add_argument(
         "--search",
         type=number("seconds", lowest=0.0),
@@ -85,15 +89,9 @@ def configure(parser: ArgumentParser) -> None:
         metavar="S",
         help="how far the clocks may be apart (0.5 s)",
     )
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=output_folder,
-        metavar="FOLDER",
-        help="folder for picture, twin and summary.json",
-    )
+    add_output_folder(parser, "folder for picture, twin and summary.json")
     add_report_arguments(parser, dry_run=True)
-    parser.add_argument("--trust-units", action="store_true", help="go on where units look impossible")
+    add_trust_units(parser)
     for sensor, unit in _UNITS.items():
         parser.add_argument(
             f"--max-{sensor}-rmse",
@@ -110,7 +108,7 @@ def run(args: Namespace) -> int:
     from kreisel.evaluate.align import align
 
     recording, poses, named = _inputs(args)
-    trajectory = _trajectory(args, poses)
+    trajectory, thinned = _trajectory(args, poses)
     mount = None
     if args.imu is not None:
         from kreisel.cli.commands.simulate import parse_mount
@@ -123,7 +121,7 @@ def run(args: Namespace) -> int:
         return tell_plan(args, reads, written(args.output, outputs))
     with Progress(None, "aligning"):
         found = align(recording, trajectory, **asked, mount=mount, search=args.search)
-    notes = [*trajectory.sample(trajectory.t[:1]).notes, *found.notes]
+    notes = [*thinned, *trajectory.sample(trajectory.t[:1]).notes, *found.notes]
     limits = _limits(args, found)
     report = _report(args, recording, named, found, limits) | {"notes": [note.text for note in notes]}
     files = []
@@ -139,7 +137,6 @@ def run(args: Namespace) -> int:
 
 def _inputs(args: Namespace) -> tuple[ImuRecording, Poses, str]:
     """The recording, the poses, and what to call these."""
-    from kreisel.cli.inputs import check_units
     from kreisel.data.recording import ImuRecording
     from kreisel.data.trajectory import Poses
     from kreisel.data.trial import Trial
@@ -149,7 +146,7 @@ def _inputs(args: Namespace) -> tuple[ImuRecording, Poses, str]:
     recording = data.recording if isinstance(data, Trial) else data
     if not isinstance(recording, ImuRecording):
         raise ValueError(f"{args.real} is no IMU recording. The recording comes first, the poses second.")
-    check_units(recording, args.real, args.trust_units)
+    check_units(recording, args.real, args.trust_units, by=CONVERT)
     poses: Any = data.poses if isinstance(data, Trial) else None
     if args.poses is not None:
         poses = read(args.poses, kind="poses")
@@ -165,12 +162,23 @@ def _inputs(args: Namespace) -> tuple[ImuRecording, Poses, str]:
     return recording, poses, named
 
 
-def _trajectory(args: Namespace, poses: Poses) -> SampledTrajectory:
+def _trajectory(args: Namespace, poses: Poses) -> tuple[SampledTrajectory, list[Note]]:
+    """What moves as the poses that were seen, and a note where the poses alone say which these are."""
+    from kreisel.data.motion import Note
     from kreisel.simulate.trajectories.sampled import SampledTrajectory
 
-    if args.pose_rate is not None:
-        poses = poses.thinned(args.pose_rate)
-    return SampledTrajectory.from_poses(poses, method=args.method)
+    rate = args.pose_rate or poses.camera_rate()
+    # A hair more, for a rate that is a whole fraction of the file's and is found to some digits.
+    seen = poses if rate is None else poses.thinned(args.pose_rate or 1.001 * rate)
+    notes = []
+    if args.pose_rate is None and rate is not None:
+        text = (
+            f"the poses were interpolated on straight lines from {rate:.4g} Hz: {len(seen)} of {len(poses)} are taken"
+            " (--pose-rate takes others)"
+        )
+        notes.append(Note("method", text))
+    gap = {} if args.max_gap is None else {"max_gap": args.max_gap}
+    return SampledTrajectory.from_poses(seen, method=args.method, **gap), notes
 
 
 def _estimate(text: str | None) -> dict[str, Any]:

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
+from kreisel.cli.output_options import add_output_folder
 from kreisel.cli.outputs import (
     Output,
     Simulation,
     aligned,
     describe_notes,
-    output_folder,
     picture,
     simulation_outputs,
     write_outputs,
@@ -30,14 +30,7 @@ _FIELD_N_UT = (0.0, 18.5, -45.0)
 
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=output_folder,
-        default="kreisel-demo",
-        metavar="FOLDER",
-        help="default: kreisel-demo",
-    )
+    add_output_folder(parser, "default: kreisel-demo", default="kreisel-demo")
 
 
 def run(args: Namespace) -> int:

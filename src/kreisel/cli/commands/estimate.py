@@ -14,16 +14,19 @@ from kreisel.cli.estimates import Found, table_of
 from kreisel.cli.filters import add_filter_arguments, chosen_filter, tuning_help
 from kreisel.cli.inputs import (
     add_input_arguments,
+    add_trust_units,
+    check_readings_of,
     check_units_of,
     in_any_folder,
     read_content,
     read_content_blocks,
     world,
 )
+from kreisel.cli.output_options import add_output_file, picture_file
 from kreisel.cli.outputs import check_format, summary_stream
 from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
 from kreisel.cli.sweeps import add_sweep_arguments, into_folder, left_to_do, over_many_files, told_of_skipped
-from kreisel.cli.values import UsageError, one_of
+from kreisel.cli.values import UsageError
 from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.facts import Units
 from kreisel.data.frames import from_enu_flu, to_enu_flu
@@ -31,7 +34,6 @@ from kreisel.data.increments import ImuIncrements
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trial import Trial
 from kreisel.files.blocks import write_blocks
-from kreisel.files.doors import format_names
 
 HELP = "attitude from IMU data, by one of the filters"
 
@@ -60,22 +62,21 @@ def configure(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--smooth", action="store_true", help="look at the whole recording, not only back (--filter mekf)"
     )
-    parser.add_argument(
-        "--trust-units", action="store_true", help="estimate even where the numbers look like g or deg/s"
-    )
-    parser.add_argument("-o", "--output", metavar="OUT", help="file, or for several inputs folder, to write")
-    known = ", ".join(format_names(AttitudeHistory))
-    parser.add_argument(
-        "--to",
-        metavar="FORMAT",
-        type=one_of(lambda: format_names(AttitudeHistory)),
-        help=f"{known} (default: by OUT's suffix, or tum in a folder)",
+    add_trust_units(parser)
+    add_output_file(
+        parser,
+        AttitudeHistory,
+        "file, or for several inputs folder, to write",
+        "by OUT's suffix, or tum in a folder",
     )
     parser.add_argument(
         "--to-frame", metavar="WORLD", type=world, help="world of the output (default: that of the input)"
     )
     parser.add_argument(
-        "--picture", metavar="PICTURE", help="draw the attitude: .png, .svg or .pdf; one input"
+        "--picture",
+        metavar="PICTURE",
+        type=picture_file,
+        help="draw the attitude: .png, .svg or .pdf; one input",
     )
     add_sweep_arguments(parser)
     add_report_arguments(parser, dry_run=True)
@@ -208,6 +209,7 @@ def _recordings(args: Namespace, path: str, found: Found) -> Iterator[ImuRecordi
         found.take(waiting, is_trial=isinstance(content, Trial))
     assert waiting is not None  # no file is read that has no rows
     check_units_of(units, path, args.trust_units)
+    check_readings_of(units, path)
     yield waiting
 
 

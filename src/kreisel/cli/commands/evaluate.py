@@ -1,17 +1,21 @@
-"""Turns a true and an estimated attitude, two files, into a table of errors and pictures: `kreisel evaluate`."""
+"""Turns true and estimated attitudes, files, into a table of errors and pictures: `kreisel evaluate`."""
 
 from __future__ import annotations
 
 import math
 from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from kreisel.cli.notes import complain
+from kreisel.cli.batch import Batch, derived, expanded, over_files, shortened
+from kreisel.cli.evaluations import mean_of, partner, print_reports, truths_in
+from kreisel.cli.notes import complain, note
+from kreisel.cli.output_options import add_output_folder
 from kreisel.cli.outputs import (
     Output,
     aligned,
-    output_folder,
     picture,
     removed,
     write_json,
@@ -25,9 +29,10 @@ if TYPE_CHECKING:
     from kreisel.data.attitude import AttitudeHistory
     from kreisel.evaluate.attitude_errors import AttitudeErrors, Summary, Truth
 
-HELP = "errors of an estimated attitude against the truth"
+HELP = "errors of estimated attitudes against the truth"
 
 SCHEMA = "kreisel.evaluate/1"
+SCHEMA_MANY = "kreisel.evaluate-many/1"
 
 _EXAMPLES = """\
 examples:
@@ -35,6 +40,9 @@ examples:
   kreisel evaluate trial.mat attitude.tum --align heading
   kreisel evaluate mocap.csv attitude.csv --align frame+sensor --clock-offset estimate
   kreisel evaluate truth.tum attitude.tum --json --max-total-rmse-deg 2
+  kreisel evaluate truths/ 'attitudes/*.tum' -o report/      each against the truth of its own name
+  kreisel evaluate 'broad/*.mat' 'attitudes/*.tum' --json
+  kreisel evaluate truth.npz dcm.tum mekf.tum                several against one truth
 
 Angles are in degrees. The total error is the angle of the whole rotation between the two, heading its part about
 up, inclination the angle between the two directions of up. Files in other worlds or with columns of other names:
@@ -52,8 +60,18 @@ _LIMITS = {
 
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
-    parser.add_argument("truth", metavar="TRUTH", help="motion, poses, attitude, reference or a BROAD trial")
-    parser.add_argument("estimate", metavar="ESTIMATE", help="attitude, or poses with attitude")
+    parser.add_argument(
+        "truth",
+        metavar="TRUTH",
+        help="motion, poses, attitude, reference or a BROAD trial; or a folder or a pattern in quotes, whose files are "
+        "the truths of estimates of the same name",
+    )
+    parser.add_argument(
+        "estimate",
+        nargs="+",
+        metavar="ESTIMATE",
+        help="attitude, or poses with attitude; files or patterns such as 'attitudes/*.tum'",
+    )
     for name in ("truth", "estimate"):
         parser.add_argument(f"--{name}-topic", metavar="TOPIC", help=f"topic of {name.upper()}, a ROS bag")
     parser.add_argument(
@@ -82,9 +100,7 @@ def configure(parser: ArgumentParser) -> None:
         metavar="DEG",
         help="total error that is converged (5)",
     )
-    parser.add_argument(
-        "-o", "--output", type=output_folder, metavar="FOLDER", help="folder for pictures and summary.json"
-    )
+    add_output_folder(parser, "folder for pictures and summary.json")
     add_report_arguments(parser, dry_run=True)
     for name, text in _LIMITS.items():
         parser.add_argument(
@@ -98,34 +114,97 @@ def configure(parser: ArgumentParser) -> None:
 
 
 def run(args: Namespace) -> int:
-    """Read both, compare, report; 3 where a limit was missed."""
-    from kreisel.evaluate.attitude_errors import attitude_errors
-
+    """Read, compare, report; 1 where a file was bad, 3 where a limit was missed."""
+    truths, estimates = truths_in(args.truth), expanded(args.estimate)
+    if truths is not None or estimates != args.estimate[:1]:
+        return _run_many(args, estimates, truths)
     truth = read_truth(args.truth, args.truth_topic or ())
-    estimate = _estimate(args.estimate, args.estimate_topic or (), args.imu)
-    outputs = _outputs(truth, estimate, args.limit_deg)
+    estimate = _estimate(estimates[0], args.estimate_topic or (), args.imu)
     if args.dry_run:
-        reads = {args.truth: described(truth), args.estimate: described(estimate)}
+        outputs = _outputs(truth, estimate, args.limit_deg)
+        reads = {args.truth: described(truth), estimates[0]: described(estimate)}
         return tell_plan(args, reads, written(args.output, outputs))
-    errors = attitude_errors(truth, estimate, align=args.align, clock_offset=args.clock_offset)
-    summary = errors.summary(args.limit_deg)
-    limits = _limits(args, summary)
-    report = {
-        "schema": SCHEMA,
-        "truth": args.truth,
-        "estimate": args.estimate,
-        "span_s": float(errors.t[-1] - errors.t[0]),
-        "summary": asdict(summary),
-        "limits": limits,
-    }
-    files = []
-    if args.output is not None:
-        files = write_outputs(args.output, outputs, (report, errors))
+    report, summary, files = _evaluated(args, (args.truth, truth), (estimates[0], estimate), args.output)
     if args.json:
         print_json(report)
     else:
-        _print(args, errors, summary, files)
-    return _complain_of(limits)
+        _print(report, summary, files)
+    return _complain_of(report["limits"])
+
+
+def _run_many(args: Namespace, estimates: Sequence[str], truths: Sequence[str] | None) -> int:
+    """The same for several: `truths` to be paired with by name, or one for all."""
+    # A name that is wrong is told before anything is written.
+    one = read_truth(args.truth, args.truth_topic or ()) if truths is None else None
+    folders = [None] * len(estimates) if args.output is None else derived(estimates, f"{args.output}/", "")
+    places = dict(zip(estimates, folders, strict=True))
+    taken: list[str] = []
+
+    def job(path: str) -> dict[str, Any]:
+        name = args.truth if truths is None else partner(path, truths)
+        taken.append(name)
+        truth = one or read_truth(name, args.truth_topic or ())
+        estimate = _estimate(path, args.estimate_topic or (), args.imu)
+        if args.dry_run:
+            outputs = _outputs(truth, estimate, args.limit_deg)
+            return {"told": described(estimate), "writes": written(places[path], outputs)}
+        return _evaluated(args, (name, truth), (path, estimate), places[path])[0]
+
+    batch = over_files(estimates, job, "evaluating")
+    # A folder may hold other things than truths.
+    suffixes = {Path(name).suffix for name in taken}
+    lonely = [name for name in truths or () if name not in taken and Path(name).suffix in suffixes]
+    if lonely:
+        note(f"truths without an estimate: {', '.join(shortened(lonely, 'truths'))}")
+    if args.dry_run:
+        reads = {path: made["told"] for path, made in batch.done.items()}
+        writes = [path for made in batch.done.values() for path in made["writes"]]
+        tell_plan(args, reads, writes if args.output is None else [args.output / "summary.json", *writes])
+        return batch.code
+    return _tell_many(args, batch, lonely)
+
+
+def _tell_many(args: Namespace, batch: Batch[dict[str, Any]], lonely: Sequence[str]) -> int:
+    reports = list(batch.done.values())
+    whole = {
+        "schema": SCHEMA_MANY,
+        "files": reports,
+        "mean": mean_of(reports) if reports else None,
+        "failed": batch.failed,
+        "truths_without_estimate": list(lonely),
+    }
+    if args.output is not None and reports:
+        write_json(whole, args.output / "summary.json")
+    if args.json:
+        print_json(whole)
+    elif reports:
+        print_reports(reports)
+        if args.output is not None:
+            print(f"written: {args.output / 'summary.json'}, and a folder for each with its pictures")
+    missed = max(_complain_of(each["limits"], f"{each['estimate']}: ") for each in reports) if reports else 0
+    return batch.code or missed
+
+
+def _evaluated(
+    args: Namespace, truth: tuple[str, Truth], estimate: tuple[str, AttitudeHistory], folder: Path | None
+) -> tuple[dict[str, Any], Summary, list[str]]:
+    """What there is to report of one estimate, its statistics, and a line for each file written; names before data."""
+    from kreisel.evaluate.attitude_errors import attitude_errors
+
+    errors = attitude_errors(truth[1], estimate[1], align=args.align, clock_offset=args.clock_offset)
+    summary = errors.summary(args.limit_deg)
+    report = {
+        "schema": SCHEMA,
+        "truth": truth[0],
+        "estimate": estimate[0],
+        "span_s": float(errors.t[-1] - errors.t[0]),
+        "summary": asdict(summary),
+        "limits": _limits(args, summary),
+    }
+    files = []
+    if folder is not None:
+        files = write_outputs(folder, _outputs(truth[1], estimate[1], args.limit_deg), (report, errors))
+    return report, summary, files
 
 
 def _clock_offset(text: str) -> float | str:
@@ -182,21 +261,21 @@ def _limits(args: Namespace, summary: Summary) -> list[dict[str, Any]]:
     ]
 
 
-def _complain_of(limits: list[dict[str, Any]]) -> int:
+def _complain_of(limits: list[dict[str, Any]], where: str = "") -> int:
     missed = [limit for limit in limits if not limit["held"]]
     for limit in missed:
         value = "never" if limit["value"] is None else f"{limit['value']:.4g}"
-        complain(f"{_LIMITS[limit['name']]}: {value}, allowed {limit['limit']:g}")
+        complain(f"{where}{_LIMITS[limit['name']]}: {value}, allowed {limit['limit']:g}")
     return 3 if missed else 0
 
 
-def _print(args: Namespace, errors: AttitudeErrors, summary: Summary, files: list[str]) -> None:
+def _print(report: dict[str, Any], summary: Summary, files: list[str]) -> None:
     from kreisel.cli.tables import print_table
 
-    print(f"{args.estimate} against {args.truth}")
-    print(f"{summary.samples} samples that count, over {errors.t[-1] - errors.t[0]:.6g} s\n")
+    numbers = report["summary"]
+    print(f"{report['estimate']} against {report['truth']}")
+    print(f"{numbers['samples']} samples that count, over {report['span_s']:.6g} s\n")
     statistics = ("rmse", "mean", "median", "p95", "max")
-    numbers = asdict(summary)
     rows = [
         [name, *(f"{numbers[f'{name}_{statistic}_deg']:.4g}" for statistic in statistics)]
         for name in ("total", "heading", "inclination")

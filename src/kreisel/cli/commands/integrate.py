@@ -10,17 +10,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kreisel.cli.inputs import add_input_arguments, check_units, read_input, world
+from kreisel.cli.inputs import add_input_arguments, add_trust_units, check_units, read_input, world
+from kreisel.cli.output_options import add_output_file
 from kreisel.cli.outputs import check_format, describe_notes, summary_stream, two_digits
 from kreisel.cli.surroundings import add_place_arguments, environment_at
-from kreisel.cli.values import UsageError, as_typed, one_of
+from kreisel.cli.values import UsageError, as_typed
 from kreisel.data.checks import SAME_INSTANT, Array
 from kreisel.data.frames import from_enu_flu, to_enu_flu
 from kreisel.data.increments import ImuIncrements
 from kreisel.data.motion import Motion, Mount
 from kreisel.data.recording import ImuRecording
 from kreisel.data.trajectory import Poses
-from kreisel.files.doors import format_names, read, write
+from kreisel.files.doors import read, write
 
 if TYPE_CHECKING:
     from kreisel.estimate.strapdown import Initial
@@ -67,19 +68,11 @@ def configure(parser: ArgumentParser) -> None:
         "simulate takes it (default: at its origin)",
     )
     add_place_arguments(parser, dated=False)
-    parser.add_argument("-o", "--output", metavar="OUT", help="file to write; its suffix tells the format")
-    parser.add_argument(
-        "--to",
-        metavar="FORMAT",
-        type=one_of(lambda: format_names(Motion)),
-        help=f"{', '.join(format_names(Motion))} (default: by OUT's suffix)",
-    )
+    add_output_file(parser, Motion, "file to write; its suffix tells the format")
     parser.add_argument(
         "--to-frame", metavar="WORLD", type=world, help="world of the output (default: that of the input)"
     )
-    parser.add_argument(
-        "--trust-units", action="store_true", help="integrate even where the numbers look like g or deg/s"
-    )
+    add_trust_units(parser)
     parser.add_argument("--json", action="store_true", help="machine-readable output, with a schema version")
     parser.epilog = _EXAMPLES
 

@@ -17,15 +17,16 @@ import numpy as np
 
 from kreisel.atomic import refuse_unwritable
 from kreisel.cli.filters import add_filter_arguments, chosen_filter, tuning_help
-from kreisel.cli.inputs import check_unit, parse_columns
+from kreisel.cli.inputs import add_trust_units, check_unit, parse_columns
 from kreisel.cli.lines import Lines, Sample
+from kreisel.cli.output_options import add_output_file
 from kreisel.cli.outputs import check_format
-from kreisel.cli.values import number, one_of
+from kreisel.cli.values import number
 from kreisel.data.attitude import AttitudeHistory
 from kreisel.data.facts import impossible_units
 from kreisel.data.recording import ImuRecording
 from kreisel.estimate.stream import Stream
-from kreisel.files.doors import format_names, write
+from kreisel.files.doors import write
 from kreisel.files.stamps import seconds_text
 from kreisel.maths.rotations import quat_wxyz_from_matrix
 
@@ -80,16 +81,8 @@ def configure(parser: ArgumentParser) -> None:
         help="a column of other lines: --column gyro_x='#2 [deg/s]' for the second; may be given several times",
     )
     add_filter_arguments(parser)
-    parser.add_argument(
-        "--trust-units", action="store_true", help="go on even where the numbers look like g or deg/s"
-    )
-    parser.add_argument("-o", "--output", metavar="OUT", help="file to keep the attitude in at the end")
-    parser.add_argument(
-        "--to",
-        metavar="FORMAT",
-        type=one_of(lambda: format_names(AttitudeHistory)),
-        help=f"{', '.join(format_names(AttitudeHistory))}",
-    )
+    add_trust_units(parser)
+    add_output_file(parser, AttitudeHistory, "file to keep the attitude in at the end")
     parser.epilog = _EXAMPLES
 
 

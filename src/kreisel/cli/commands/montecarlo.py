@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 import time
 from argparse import ArgumentParser, Namespace
@@ -9,22 +10,24 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from kreisel.cli.notes import note
+from kreisel.cli.output_options import add_output_folder
 from kreisel.cli.outputs import (
     Output,
     aligned,
     check_outputs,
-    output_folder,
     picture,
     write_outputs,
     written,
 )
 from kreisel.cli.progress import Progress
 from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
+from kreisel.cli.surroundings import describe_free_heading
+from kreisel.cli.sweeps import backend
 from kreisel.cli.tables import print_table
-from kreisel.cli.values import UsageError, as_typed, typed
+from kreisel.cli.values import UsageError, as_typed, typed, whole
 
 if TYPE_CHECKING:
     from kreisel.study.ensemble.ensemble import Ensemble
@@ -58,27 +61,6 @@ _STATISTICS = ("mean", "p05", "median", "p95", "max")
 _MOST_DRIVERS = 5
 
 
-def _whole(least: int) -> Any:
-    def read(text: str) -> int:
-        number = int(text) if text.strip().isdecimal() else -1
-        if number < least:
-            raise ValueError(f"takes a whole number, {least} or more; got {text!r}.")
-        return number
-
-    return typed(read)
-
-
-def _backend(text: str) -> str:
-    """A backend's name or address, whose form alone is checked."""
-    from kreisel.study.engine import LOCAL
-
-    if text != LOCAL and "://" not in text:
-        raise ValueError(
-            f"takes {LOCAL} or the address of a scheduler such as tcp://127.0.0.1:8786; got {text!r}."
-        )
-    return text
-
-
 def _varied(text: str) -> tuple[str, str]:
     """PATH=DISTRIBUTION in its two parts, the second checked."""
     from kreisel.study.ensemble.distributions import Distribution
@@ -93,20 +75,16 @@ def _varied(text: str) -> tuple[str, str]:
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument("scenario", metavar="SCENARIO", help="TOML file with the scenario")
-    parser.add_argument("--runs", type=_whole(1), default=1000, metavar="N", help="how many (default 1000)")
-    parser.add_argument(
-        "-o", "--output", metavar="FOLDER", type=output_folder, help="folder for what is made"
-    )
+    parser.add_argument("--runs", type=whole(1), default=1000, metavar="N", help="how many (default 1000)")
+    add_output_folder(parser)
     parser.add_argument(
         "--vary", action="append", type=typed(_varied), default=[], metavar="PATH=DISTRIBUTION",
         help="draw a value in every run: normal(mean, sigma), uniform(a, b), loguniform(a, b), choice(a, b, ...)",
     )  # fmt: skip
-    parser.add_argument("--seed", type=_whole(0), metavar="N", help="another seed than the file's")
+    parser.add_argument("--seed", type=whole(0), metavar="N", help="another seed than the file's")
+    parser.add_argument("--threads", type=whole(1), metavar="N", help="how many at most (default: all cores)")
     parser.add_argument(
-        "--threads", type=_whole(1), metavar="N", help="how many at most (default: all cores)"
-    )
-    parser.add_argument(
-        "--backend", type=typed(_backend), metavar="WHERE",
+        "--backend", type=typed(backend), metavar="WHERE",
         help="dask for workers on this machine, tcp://HOST:PORT for a scheduler that runs (default: threads)",
     )  # fmt: skip
     parser.add_argument(
@@ -151,7 +129,9 @@ def run(args: Namespace) -> int:
         print_json(made.report() | {"files": [str(path) for path in written(args.output, outputs)]})
         return 0
     _tell(made)
-    print(f"\n{made.runs} runs in {spent:.1f} s, {made.runs / spent:.0f} a second; written:")
+    for line in describe_free_heading(scenario):
+        print(line)
+    print(f"\n{_count(made)} in {spent:.1f} s, {made.runs / spent:.0f} a second; written:")
     print(aligned(lines))
     return 0
 
@@ -190,8 +170,16 @@ def _outputs(scenario: Scenario, pictures: bool) -> list[Output[Ensemble]]:
     ]
     pairs = [(imu.name, filter.name) for imu in scenario.imus for filter in scenario.filters]
     for k, (imu, filter) in enumerate(pairs if pictures else []):
-        made += _pictures(k, f"{imu}-{filter}".replace(" ", "-"), bool(scenario.vary))
+        made += _pictures(k, f"{imu}-{filter}".replace(" ", "-"), _draws_numbers(scenario))
     return made
+
+
+def _draws_numbers(scenario: Scenario) -> bool:
+    """Whether anything varies that errors can be correlated with; names, such as those of sensors, cannot."""
+    from kreisel.study.ensemble.distributions import Distribution
+
+    values = (Distribution.of(table).values for table in scenario.vary.values())
+    return any(all(isinstance(value, int | float) for value in each) for each in values)
 
 
 def _pictures(k: int, stem: str, drawn: bool) -> list[Output[Ensemble]]:
@@ -207,9 +195,13 @@ def _pictures(k: int, stem: str, drawn: bool) -> list[Output[Ensemble]]:
     return [*made, driven] if drawn else made
 
 
+def _count(made: Ensemble) -> str:
+    return f"{made.runs} run{'' if made.runs == 1 else 's'}"
+
+
 def _tell(made: Ensemble) -> None:
     for k, each in enumerate(made.estimates):
-        print(f"{made.runs} runs of {made.base.name or 'a scenario'}: {each.filter} on {each.imu}")
+        print(f"{_count(made)} of {made.base.name or 'a scenario'}: {each.filter} on {each.imu}")
         summary = each.summary()
         rows = [
             (label, *(_shown(summary[name][statistic], statistic) for statistic in _STATISTICS))
@@ -217,11 +209,24 @@ def _tell(made: Ensemble) -> None:
             if name in summary
         ]
         print_table(("over runs", "mean", "5 %", "median", "95 %", "worst"), rows)
-        drivers = [
-            (path, rho) for path, rho in made.correlations("heading_rmse_deg", k).items() if rho == rho
+        for line in _drivers(made, k):
+            print(f"  {line}")
+
+
+def _drivers(made: Ensemble, k: int) -> list[str]:
+    """What the heading's error goes with, as far as chance alone would not make it."""
+    chance = 2.0 / math.sqrt(made.runs)
+    found = {path: rho for path, rho in made.correlations("heading_rmse_deg", k).items() if rho == rho}
+    told = [
+        f"heading RMSE goes with {path}: rank correlation {rho:+.2f}"
+        for path, rho in found.items()
+        if abs(rho) > chance
+    ]
+    if found and not told:
+        return [
+            f"heading RMSE: no rank correlation above {chance:.2g}, which {made.runs} runs show by chance"
         ]
-        for path, rho in drivers[:_MOST_DRIVERS]:
-            print(f"  heading RMSE goes with {path}: rank correlation {rho:+.2f}")
+    return told[:_MOST_DRIVERS]
 
 
 def _shown(value: float, statistic: str) -> str:

@@ -7,7 +7,8 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kreisel.cli.inputs import check_units
+from kreisel.cli.batch import holds_files
+from kreisel.cli.inputs import CONVERT, add_trust_units, check_units
 from kreisel.cli.progress import Progress
 from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
 from kreisel.cli.values import UsageError, as_typed, one_of
@@ -64,9 +65,7 @@ def configure(parser: ArgumentParser) -> None:
         type=one_of(("heading", "frame", "frame+sensor")),
         help="leave the constant offset that fits best out of the errors: heading, frame or frame+sensor",
     )
-    of_recordings.add_argument(
-        "--trust-units", action="store_true", help="take readings that look impossible"
-    )
+    add_trust_units(of_recordings)
     add_report_arguments(parser, dry_run=True)
     parser.epilog = _EXAMPLES
 
@@ -95,11 +94,6 @@ def run(args: Namespace) -> int:
     return 0
 
 
-def _is_folder(source: Path) -> bool:
-    """Whether it may be what `kreisel run` wrote: a bag of ROS 2 is a folder as well, and a recording."""
-    return source.is_dir() and not (source / "metadata.yaml").exists()
-
-
 def _is_scenario(source: Path) -> bool:
     return source.suffix.lower() == ".toml"
 
@@ -120,7 +114,7 @@ def _described(args: Namespace) -> str:
 
 def _account(args: Namespace) -> Account:
     source = Path(args.result)
-    if _is_folder(source):
+    if holds_files(source):
         from kreisel.study.folder import read_account
 
         _refuse_options_of_recordings(args, "a folder")
@@ -147,7 +141,7 @@ def _of_recording(args: Namespace, source: Path) -> Account:
     from kreisel.study.account import account_of_files
 
     recording, truth = _recording(source)
-    check_units(recording, str(source), args.trust_units)
+    check_units(recording, str(source), args.trust_units, by=CONVERT)
     if args.truth is not None:
         truth = read_truth(args.truth)
     if args.estimate is None and truth is None:

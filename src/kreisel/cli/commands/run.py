@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kreisel.cli.output_options import add_output_folder
 from kreisel.cli.outputs import (
     Output,
     aligned,
     check_imu_names,
     check_outputs,
     describe_notes,
-    output_folder,
     picture,
     removed,
     simulation_outputs,
@@ -27,7 +27,7 @@ from kreisel.cli.outputs import (
 from kreisel.cli.progress import Progress
 from kreisel.cli.reports import add_report_arguments, print_json, tell_plan
 from kreisel.cli.sensor_options import describe_sensor, sensor_called
-from kreisel.cli.surroundings import describe_field, describe_gravity, describe_place
+from kreisel.cli.surroundings import describe_field, describe_free_heading, describe_gravity, describe_place
 from kreisel.cli.values import UsageError
 from kreisel.files.doors import write
 
@@ -49,9 +49,7 @@ docs/scenarios.md explains every key; examples/scenarios/ has files to begin wit
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     parser.add_argument("scenario", metavar="SCENARIO", help="TOML file with the scenario")
-    parser.add_argument(
-        "-o", "--output", metavar="FOLDER", type=output_folder, help="folder for what is made"
-    )
+    add_output_folder(parser)
     add_report_arguments(parser, dry_run=True)
     parser.add_argument("--no-pictures", action="store_true", help="write data only")
     parser.epilog = _EXAMPLES
@@ -86,7 +84,7 @@ def run(args: Namespace) -> int:
         return 0
     print("\n".join(_described(scenario, result)))
     print("\n".join(f"  {line}" for line in describe_notes(result.motion.notes)))
-    print(errors_table(result.estimates))
+    print("\n".join([errors_table(result.estimates), *describe_free_heading(scenario)]))
     print(f"\nwritten in {time.perf_counter() - started:.1f} s:")
     print(aligned(lines))
     return 0

@@ -14,6 +14,7 @@ import numpy as np
 from kreisel.cli.courses import add_course_arguments, read_course
 from kreisel.cli.inputs import add_input_arguments, rate, world
 from kreisel.cli.long_simulation import Sampled, in_blocks, write_long
+from kreisel.cli.output_options import add_output_folder
 from kreisel.cli.outputs import (
     Output,
     Simulated,
@@ -23,7 +24,6 @@ from kreisel.cli.outputs import (
     check_outputs,
     describe_notes,
     describe_round_trip,
-    output_folder,
     simulation_outputs,
     write_outputs,
     written,
@@ -84,9 +84,7 @@ examples:
 def configure(parser: ArgumentParser) -> None:
     """Add the command's arguments."""
     add_input_arguments(parser)
-    parser.add_argument(
-        "-o", "--output", required=True, type=output_folder, metavar="FOLDER", help="folder for what is made"
-    )
+    add_output_folder(parser, required=True)
     parser.add_argument(
         "--imu",
         action="append",

@@ -7,13 +7,17 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from kreisel.atomic import refuse_unwritable
 from kreisel.cli.batch import expanded
 from kreisel.cli.filters import add_filter_arguments, chosen_filter, tuning_help
+from kreisel.cli.inputs import CONVERT, add_trust_units, check_readings_of, check_units_of
 from kreisel.cli.progress import Progress
 from kreisel.cli.reports import add_report_arguments, described, print_json, tell_plan
-from kreisel.cli.values import as_typed, one_of, whole
+from kreisel.cli.values import UsageError, as_typed, one_of, whole
+from kreisel.data.facts import Units
 
 if TYPE_CHECKING:
+    from kreisel.data.recording import ImuRecording
     from kreisel.data.trial import Trial
     from kreisel.study.tune import Tuning
 
@@ -50,6 +54,7 @@ def configure(parser: ArgumentParser) -> None:
         "--draws", type=whole(1), default=3, metavar="N", help="times that each scenario is simulated (3)"
     )
     parser.add_argument("-o", "--output", metavar="FILE", help="file for the filter's table (.toml)")
+    add_trust_units(parser)
     add_report_arguments(parser, dry_run=True)
     parser.epilog = _EXAMPLES
 
@@ -62,9 +67,11 @@ def run(args: Namespace) -> int:
     from kreisel.study.tune import tune
 
     filter = chosen_filter(args)
+    if args.output is not None:
+        refuse_unwritable(args.output)
     vary = None if args.vary is None else _varied(filter, args.vary)
     texts = expanded(args.trials)
-    trials = [trial for text in texts for trial in _trials(text, args.draws)]
+    trials = [trial for text in texts for trial in _trials(text, args)]
     if args.dry_run:
         reads = {f"{k}: {trial.name or 'recording'}": described(trial) for k, trial in enumerate(trials, 1)}
         return tell_plan(args, reads, [args.output] if args.output else [])
@@ -87,7 +94,7 @@ def _varied(filter: Any, text: str) -> list[str]:
         return [choice("--vary", name.strip(), tunable(filter)) for name in text.split(",")]
 
 
-def _trials(text: str, draws: int) -> list[Trial]:
+def _trials(text: str, args: Namespace) -> list[Trial]:
     from kreisel.data.attitude import AttitudeHistory
     from kreisel.data.motion import Motion
     from kreisel.data.recording import ImuRecording
@@ -98,19 +105,29 @@ def _trials(text: str, draws: int) -> list[Trial]:
     from kreisel.study.trials import paired, simulated
 
     if text.endswith(".toml"):
-        return simulated(Scenario.load(text), draws)
+        return simulated(Scenario.load(text), args.draws)
     # A file whose own name has the sign comes first.
     imu, equals, truth = (text, "", "") if Path(text).exists() else text.partition("=")
+    if equals and not (imu and truth):
+        raise UsageError(f"a recording and its truth are two files, IMU=TRUTH; got {text!r}.")
     if equals:
         recording, reference = read(imu, kind="imu"), read(truth)
         assert isinstance(recording, ImuRecording)  # the kind asked for
         if not isinstance(reference, Motion | AttitudeHistory | Poses):
             raise ValueError(f"{truth} holds {type(reference).__name__}; a truth is a file of attitudes.")
+        _check(recording, imu, args)
         return [paired(recording, reference, Path(imu).stem)]
     trial = read(imu)
     if not isinstance(trial, Trial):
         raise ValueError(f"{imu} has no truth in it. Name it: {imu}=TRUTH.")
+    _check(trial.recording, imu, args)
     return [trial]
+
+
+def _check(recording: ImuRecording, path: str, args: Namespace) -> None:
+    units = Units.of(recording)
+    check_units_of(units, path, args.trust_units, by=CONVERT)
+    check_readings_of(units, path)
 
 
 def _write(args: Namespace, tuning: Tuning) -> None:

@@ -115,7 +115,7 @@ def _enough(sensor: str, residuals: Array) -> None:
     count = int(np.isfinite(residuals[:, 0]).sum())
     if count < _FEWEST:
         raise ValueError(
-            f"only {count} {sensor} samples lie inside the trajectory's span; {_FEWEST} are needed. "
+            f"{count} of the {sensor}'s samples lie inside the trajectory's span; {_FEWEST} are needed. "
             "Give a longer recording, or check the stamps and t0_ns of both."
         )
 

@@ -246,10 +246,12 @@ def _kind(path: Path, found: Mapping[str, Column], headers: list[str], asked: st
         except ValueError as error:
             raise ValueError(f"{path} {error}") from None
         return "motion" if kind == "poses" and {*_MOTION} <= groups and turned else kind
-    lacking = next((f"{other}_x" for one, other in _PARTNERS if one in groups), "p_x")
+    partner = next((f"{other}_x" for one, other in _PARTNERS if one in groups), None)
+    lacking = partner or "gyro_x"
     raise ValueError(
-        f"{path}: no column {lacking}. Needed are positions (p_x ...), attitude (q_w ...), an IMU "
-        f"(gyro_x ..., accel_x ...) or increments (dtheta_x ..., dv_x ...). "
+        f"{path}: no column {partner or 'by a name that is needed'}. "
+        "Needed are positions (p_x ...), attitude (q_w ...), an IMU "
+        "(gyro_x ..., accel_x ...) or increments (dtheta_x ..., dv_x ...). "
         f"The file has: {', '.join(headers)}. Name foreign columns with --column {lacking}='HEADER [UNIT]'."
     )
 
