@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from kreisel.maths.random import Stream, stream, words_abreast
 from kreisel.simulate.chain import BLOCK, Felt, read
 from kreisel.simulate.clock import spread
 from kreisel.simulate.context import Context
-from kreisel.simulate.effects import Effect, LaneEffect
+from kreisel.simulate.effects import Effect, LaneEffect, PutAbreast
 from kreisel.simulate.imu import Imu
 from kreisel.simulate.session import SENSORS, blocks, contexts_of, felt_by, parts_of
 
@@ -35,10 +35,14 @@ class Abreast:
 
     def __init__(self, imu: Imu, motion: Motion, ideal: ImuRecording, samples: int) -> None:
         imu._check(motion)
-        self._imu, self._count, self._samples = imu, len(motion), samples
+        self._imu, self._motion, self._ideal, self._samples = imu, motion, ideal, samples
+
+    @cached_property
+    def _channels(self) -> list[_Channel]:
+        """Made when they are asked for: of a motion that only one run has nobody does."""
+        imu, motion, ideal = self._imu, self._motion, self._ideal
         there = [sensor for sensor in SENSORS if getattr(ideal, sensor) is not None]
-        self._missing = [3 * k for k, sensor in enumerate(SENSORS) if sensor not in there]
-        self._channels = [_Channel.of(imu, sensor, motion, ideal, samples) for sensor in there]
+        return [_Channel.of(imu, sensor, motion, ideal, self._samples) for sensor in there]
 
     def read(self, draws: Draws, room: Array) -> Iterator[tuple[slice, Array]]:
         """What `record` measures in the runs `draws`, (seed, run) each: rows of the motion, and readings there.
@@ -46,13 +50,14 @@ class Abreast:
         room : (samples, 9, LANES), takes gyro, accel and mag_uT, NaN where there is no sensor; readings are the part
         of it that those of `rows` fill. The stamps are those of the motion unless the clock errs.
         """
-        for row in self._missing:
-            room[:, row : row + 3] = np.nan
+        for k, sensor in enumerate(SENSORS):
+            if getattr(self._ideal, sensor) is None:
+                room[:, 3 * k : 3 * k + 3] = np.nan
         imu = self._imu
         fills = [channel.fill(draws, imu.mount.name) for channel in self._channels]
         clocks = [stream(seed, run, imu.mount.name, "clock") for seed, run in draws if imu.clock.loss]
-        lost = [imu.clock.lost(self._count, each) for each in clocks]
-        for rows in blocks(self._count, self._samples):
+        lost = [imu.clock.lost(len(self._motion), each) for each in clocks]
+        for rows in blocks(len(self._motion), self._samples):
             readings = room[: rows.stop - rows.start]
             for fill in fills:
                 fill(rows, readings)
@@ -63,40 +68,39 @@ class Abreast:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Channel:
-    """One sensor, what it feels, and what surrounds each block of that."""
+    """One sensor, what it feels, and what acts on that."""
 
     sensor: str
     count: int  # rows of the motion
     felt: Felt
     acting: Sequence[Effect]
-    together: bool  # whether they act on all runs at once
     contexts: Sequence[Context]
+    puts: Sequence[PutAbreast] | None  # of each context, where the effects act on all runs at once
 
     @classmethod
     def of(cls, imu: Imu, sensor: str, motion: Motion, ideal: ImuRecording, samples: int) -> _Channel:
         effects, sampling = parts_of(imu, sensor)
         felt, acting = felt_by(sampling, sensor, motion, ideal), [each for each in effects if not each.idle]
-        # The first effect makes many readings of one; another would need one that goes from many to many.
-        able = not acting or (len(acting) == 1 and isinstance(acting[0], LaneEffect))
-        together = isinstance(felt.rows, slice) and able
-        contexts = contexts_of(imu, sensor, motion, felt, block=samples if together else BLOCK)
-        return cls(sensor, len(motion), felt, acting, together, list(contexts))
+        make = _make(acting) if isinstance(felt.rows, slice) else None
+        contexts = list(contexts_of(imu, sensor, motion, felt, block=BLOCK if make is None else samples))
+        parts = [felt.reading[each.first : each.first + len(each.t)] for each in contexts]
+        puts = None if make is None else [make(*each) for each in zip(parts, contexts, strict=True)]
+        return cls(sensor, len(motion), felt, acting, contexts, puts)
 
     def fill(self, draws: Draws, name: str) -> Callable[[slice, Array], None]:
         """What puts the readings of some rows into their places, asked for them in their order."""
         first = 3 * SENSORS.index(self.sensor)
         streams_of = [partial(stream, seed, run, f"{name}/{self.sensor}") for seed, run in draws]
-        if not self.together:
+        if self.puts is None:
             found = self._one_by_one(streams_of)
             return lambda rows, readings: _beside(found[:, rows], first, readings)
-        if not self.acting:
-            return lambda rows, readings: _spread(argument(self.felt.reading[rows]), first, readings)
-        (effect,), contexts = self.acting, iter(self.contexts)
-        words = words_abreast([stream_of(effect.name) for stream_of in streams_of])
+        # Where nothing acts nobody draws from these streams.
+        effect = self.acting[0].name if self.acting else ""
+        words, puts = words_abreast([stream_of(effect) for stream_of in streams_of]), iter(self.puts)
 
         def fill(rows: slice, readings: Array) -> None:
             words[3] = rows.start
-            effect.apply_abreast(self.felt.reading[rows], next(contexts), words, first, readings)  # type: ignore[attr-defined]
+            next(puts)(words, first, readings)
 
         return fill
 
@@ -108,6 +112,20 @@ class _Channel:
         if isinstance(self.felt.rows, slice):
             return found
         return np.stack([spread(mine, self.felt.rows, self.count) for mine in found])
+
+
+def _make(acting: Sequence[Effect]) -> Callable[[Array, Context], PutAbreast] | None:
+    """What makes readings of many runs of the one that they share; None where no single effect does."""
+    if not acting:
+        return _without_errors
+    # A second one would have to go from many to many.
+    (first, *others) = acting
+    return first.abreast if isinstance(first, LaneEffect) and not others else None
+
+
+def _without_errors(block: Array, context: Context) -> PutAbreast:
+    shared = argument(block)
+    return lambda words, row, out: _spread(shared, row, out)
 
 
 @kernel

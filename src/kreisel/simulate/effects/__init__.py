@@ -6,6 +6,7 @@ with parameters at which it changes nothing; the contract tests use both.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import ClassVar, Protocol, runtime_checkable
 
 from kreisel.data.checks import Array
@@ -44,14 +45,18 @@ class Effect(Protocol):
         ...
 
 
+PutAbreast = Callable[[Words, int, Array], None]
+
+
 @runtime_checkable
 class LaneEffect(Protocol):
     """An Effect without state that can also make the readings of many runs, abreast, of the one that all share."""
 
-    def apply_abreast(self, block: Array, context: Context, words: Words, row: int, out: Array) -> None:
-        """`apply` to `block` (n, 3) with the stream of each lane, into rows from `row` on of `out` (n, 9, LANES).
+    def abreast(self, block: Array, context: Context) -> PutAbreast:
+        """What puts `apply` of `block` (n, 3), with the stream of each lane, into its places, for any streams.
 
-        words : (4, LANES), of the stream of each lane (`words_abreast`), at the first sample of the context.
+        Its arguments: words (4, LANES) of the streams (`words_abreast`) at the first sample of the context, and
+        rows from which number on of which readings (n, 9, LANES).
         """
         ...
 

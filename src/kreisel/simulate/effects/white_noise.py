@@ -11,6 +11,7 @@ from kreisel.data.checks import Array, per_axis
 from kreisel.maths.kernels import argument, kernel, wide_vectors
 from kreisel.maths.random import CHUNK, Stream, Words, fill_normals, normals_abreast
 from kreisel.simulate.context import Context
+from kreisel.simulate.effects import PutAbreast
 
 # Samples whose normals are made at once: the first-level cache holds them.
 _ROWS = 8 * CHUNK
@@ -50,9 +51,10 @@ class WhiteNoise:
         _add_noise(argument(block), stream.words(context.first), _deviations(context.dt, self.density), out)
         return out
 
-    def apply_abreast(self, block: Array, context: Context, words: Words, row: int, out: Array) -> None:
-        """`apply` to `block` (n, 3) with the stream of each lane, into rows from `row` on of `out` (n, 9, LANES)."""
-        normals_abreast(words, 0, argument(block), _deviations(context.dt, self.density), row, out)
+    def abreast(self, block: Array, context: Context) -> PutAbreast:
+        """What puts `apply` of `block` (n, 3) to several runs into their lanes."""
+        shared, deviations = argument(block), argument(_deviations(context.dt, self.density))
+        return lambda words, row, out: normals_abreast(words, 0, shared, deviations, row, out)
 
     def allan_deviation(self, tau: Array) -> Array:
         """Allan deviation (m, 3) at averaging times tau (m,) s."""
