@@ -103,7 +103,7 @@ def test_what_is_not_asked_for_stays_as_given(rng):
     np.testing.assert_array_equal(found.mount.R_BS, mount.R_BS)
     np.testing.assert_array_equal(found.mount.p_BS, mount.p_BS)
     assert abs(found.gyro.clock) < 1e-9 and found.accel.total_rmse < 1e-9
-    # Nothing asked for: the two are laid over each other as they are, turned by what chance made of R_BS (seldom little).
+    # Nothing asked for: the two are laid over each other as they are, seldom turned by little.
     as_is = align(recording, every_way(), estimate=())
     assert as_is.errors == {} and as_is.gyro.total_rmse > 1e-3
 
