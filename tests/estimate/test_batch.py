@@ -92,6 +92,20 @@ def test_the_lanes_are_used(
     assert used == [LANES]
 
 
+@pytest.mark.parametrize("told", [{"lanes": LANES // 2}, {"sigma": 0}], ids=["fewer lanes", "sigma"])
+def test_a_filter_that_lanes_do_not_fit_goes_run_by_run(
+    told: dict[str, int], rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = type("Other", (DcmFilter,), {"__slots__": (), **told})()
+    monkeypatch.setattr(DcmFilter, "batch_of_lanes", lambda self, *given: pytest.fail("went abreast"))
+    t, gyro, accel, mag = recordings(rng, LANES, 40)
+    for runs in (LANES // 2, LANES):
+        batch = run_batch(other, t, gyro[:runs], accel[:runs], mag[:runs], threads=1)
+        for k in range(runs):
+            alone = run(DcmFilter(), ImuRecording(t, gyro[k], accel[k], mag_uT=mag[k]))
+            assert np.array_equal(batch[k].R_NS, alone.R_NS)
+
+
 @pytest.mark.parametrize("filter", [DcmFilter(mode="6"), PUBLISHED])
 def test_first_attitudes_are_taken(filter: DcmFilter, rng: np.random.Generator) -> None:
     t, gyro, accel, _ = recordings(rng, LANES, 40)

@@ -5,10 +5,13 @@ Readings abreast are (n, 9, LANES), gyro, accel and mag; answers abreast (n, 9, 
 whose operations are those of one lane to the last bit.
 """
 
+from typing import TypeGuard
+
 import numpy as np
 
 from kreisel.estimate import filters as at
 from kreisel.estimate.answers import Columns, flags_of
+from kreisel.estimate.filters import AttitudeFilter, LaneFilter
 from kreisel.maths.kernels import LANES, argument, inlined, kernel
 from kreisel.maths.vectors import Array, dot, load, nearest_rotation
 
@@ -31,6 +34,11 @@ SAMPLES = 256
 
 Twice as many take as long, four times as many 5 % longer; half as many wait for Python.
 """
+
+
+def takes_lanes(filter: AttitudeFilter) -> TypeGuard[LaneFilter]:
+    """Whether LANES recordings go through this filter abreast; answers abreast have no room for sigma."""
+    return isinstance(filter, LaneFilter) and filter.lanes == LANES and not hasattr(filter, "sigma")
 
 
 def steps(t: Array) -> Array:

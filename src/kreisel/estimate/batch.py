@@ -15,10 +15,20 @@ from kreisel.data.attitude import AttitudeHistory, Mask
 from kreisel.data.checks import increasing, read_only, shaped
 from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.recording import ImuRecording
-from kreisel.estimate.abreast import READING, SAMPLES, TOLD, gather, scatter, scatter_bias, steps
+from kreisel.estimate.abreast import (
+    READING,
+    SAMPLES,
+    TOLD,
+    gather,
+    scatter,
+    scatter_bias,
+    steps,
+    takes_lanes,
+)
 from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters import Array, AttitudeFilter, LaneFilter
 from kreisel.estimate.run import readings, run
+from kreisel.maths.kernels import LANES
 from kreisel.maths.kinematics import linear_acceleration
 
 
@@ -124,7 +134,7 @@ def _lent(x: npt.ArrayLike) -> npt.ArrayLike:
 
 
 def _lanes(filter: AttitudeFilter) -> int:
-    return filter.lanes if isinstance(filter, LaneFilter) else 1
+    return LANES if takes_lanes(filter) else 1
 
 
 def _tiles(filter: AttitudeFilter, runs: int) -> list[slice]:
@@ -143,8 +153,7 @@ def _alike(recordings: Sequence[ImuRecording], lanes: int) -> list[list[int]]:
         return recordings[k].mag_uT is None, recordings[k].t.tobytes() if lanes > 1 else b""
 
     groups = [list(group) for _, group in groupby(sorted(range(len(recordings)), key=key), key)]
-    size = max(lanes, 1)
-    return [group[i : i + size] for group in groups for i in range(0, len(group), size)]
+    return [group[i : i + lanes] for group in groups for i in range(0, len(group), lanes)]
 
 
 def _fill(
@@ -159,7 +168,7 @@ def _fill(
     runs = len(gyro)
     firsts = [None] * runs if R_NS is None else list(R_NS)
     states, parameters = np.stack([filter.start(first) for first in firsts]), filter.parameters()
-    if isinstance(filter, LaneFilter) and runs == filter.lanes > 1:
+    if takes_lanes(filter) and runs == LANES:
         _abreast(filter, states, parameters, (t, gyro, accel, mag), columns)
         return
     for k in range(runs):
@@ -169,11 +178,11 @@ def _fill(
 def _abreast(
     filter: LaneFilter, states: Array, parameters: Array, inputs: tuple[Array, ...], columns: Columns
 ) -> None:
-    """As many runs as the filter has lanes, by blocks that stay in the cache."""
+    """LANES runs, by blocks that stay in the cache."""
     t, gyro, accel, mag = inputs
     dt, learns_bias = steps(t), columns.gyro_bias.flags.writeable
     columns.rest[:], columns.disturbed[:], columns.held[:] = False, False, False
-    readings, answers = np.empty((SAMPLES, READING, filter.lanes)), np.empty((SAMPLES, TOLD, filter.lanes))
+    readings, answers = np.empty((SAMPLES, READING, LANES)), np.empty((SAMPLES, TOLD, LANES))
     for first in range(0, len(t), SAMPLES):
         rows = slice(first, min(first + SAMPLES, len(t)))
         taken, told = readings[: rows.stop - first], answers[: rows.stop - first]

@@ -103,15 +103,15 @@ class LaneFilter(Protocol):
 
     @property
     def lanes(self) -> int:
-        """How many; 1 where this tuning cannot."""
+        """How many: LANES of `kreisel.maths.kernels`, as all that goes abreast; 1 where this tuning cannot."""
         ...
 
     def batch_of_lanes(
         self, states: Array, parameters: Array, dt: Array, readings: Array, answers: Array
     ) -> None:
-        """The steps of `batch` for so many states (lanes, STATE), with the same bits; may be called block by block.
+        """The steps of `batch` for LANES states (LANES, STATE), with the same bits; may be called block by block.
 
-        dt : (n,) s, since the sample before; 0 for the first of all. readings : (n, 9, lanes), gyro, accel and mag.
-        answers : (n, 9, lanes), takes R_NS row by row, or (n, 13, lanes), takes bias and flags as well.
+        dt : (n,) s, since the sample before; 0 for the first of all. readings : (n, 9, LANES), gyro, accel and mag.
+        answers : (n, 9, LANES), takes R_NS row by row, or (n, 13, LANES), takes bias and flags as well.
         """
         ...

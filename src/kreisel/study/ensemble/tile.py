@@ -10,8 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel.data.checks import Array
-from kreisel.estimate.abreast import AXES, READING, SAMPLES, steps
-from kreisel.estimate.filters import LaneFilter
+from kreisel.estimate.abreast import AXES, READING, SAMPLES, steps, takes_lanes
 from kreisel.estimate.run import check_needs
 from kreisel.evaluate.error_angles import DEGREES, angles_abreast, figures_into
 from kreisel.maths.kernels import LANES, argument
@@ -48,14 +47,13 @@ class Scratch(local):
         return self.keep(name, shape, lambda: np.empty(shape))
 
 
-def abreast(recipe: FilterRecipe, filter: Any, seen: Seen) -> bool:
+def go_abreast(recipe: FilterRecipe, filter: Any, seen: Seen) -> bool:
     """Whether LANES runs of this motion can go abreast through this filter with the bits of one."""
-    plain = recipe.align is None and recipe.clock_offset == 0.0 and not hasattr(filter, "sigma")
+    plain = recipe.align is None and recipe.clock_offset == 0.0
     # A clock that errs gives each run stamps of its own.
     imu = seen.imu
     in_time = imu.clock.offset == 0.0 and imu.clock.rate_offset == 0.0 and imu.clock.jitter == 0.0
-    fits = plain and in_time and len(seen.ideal) <= LONGEST
-    return fits and isinstance(filter, LaneFilter) and filter.lanes == LANES
+    return plain and in_time and len(seen.ideal) <= LONGEST and takes_lanes(filter)
 
 
 def readings(scratch: Scratch, seen: Seen, runs: Sequence[Scenario]) -> Iterator[tuple[slice, Array]]:

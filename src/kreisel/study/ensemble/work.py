@@ -14,7 +14,7 @@ from kreisel.maths.kernels import LANES
 from kreisel.study.ensemble.draws import Draws
 from kreisel.study.ensemble.figures import figures, trace
 from kreisel.study.ensemble.stage import Seen, Stage, Stages
-from kreisel.study.ensemble.tile import Scratch, abreast, estimates
+from kreisel.study.ensemble.tile import Scratch, estimates, go_abreast
 from kreisel.study.run import estimated
 from kreisel.study.scenario import FilterRecipe, Scenario
 from kreisel.study.sensor import errs
@@ -98,7 +98,7 @@ class Work:
         """Figures and traces of every filter on one IMU."""
         recipes = [[run.filters[k] for run in runs] for k in range(len(stage.filters))]
         pairs = list(zip(recipes, stage.filters, strict=True))
-        together = [len(runs) == LANES and abreast(each[0], filter, seen) for each, filter in pairs]
+        together = [len(runs) == LANES and go_abreast(each[0], filter, seen) for each, filter in pairs]
         tiled = [pair for pair, fits in zip(pairs, together, strict=True) if fits]
         found = iter(estimates(self._scratch, seen, runs, tiled, INSTANTS) if tiled else [])
         alone = [] if all(together) else [_recording(seen, stage, run) for run in runs]

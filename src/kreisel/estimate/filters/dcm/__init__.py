@@ -222,7 +222,7 @@ class DcmFilter:
     def batch_of_lanes(
         self, states: Array, parameters: Array, dt: Array, readings: Array, answers: Array
     ) -> None:
-        """The steps of `batch` for so many states (lanes, STATE) with the same bits; see `LaneFilter`."""
+        """The steps of `batch` for LANES states (LANES, STATE) with the same bits; see `LaneFilter`."""
         (published_lanes if self.published else step_lanes).batch_of_lanes(
             states, parameters, dt, readings, answers
         )
