@@ -150,6 +150,16 @@ def test_progress_counts_runs():
     assert seen == sorted(seen) and seen[-1] == 40
 
 
+@pytest.mark.parametrize("samples", [1, 2, 257])
+def test_runs_of_any_length_are_replayed(samples):
+    # One sample, which no sensor with noise can take; a block of those that go abreast, and one more.
+    text = TEXT.replace("duration = 2.0", f"duration = {(samples - 0.5) / 100.0}")
+    scenario = Scenario.from_toml(text if samples > 1 else text.replace('sensor = "bmi088"\n', ""))
+    many = monte_carlo(scenario, 16)
+    for alone, together in zip(run(replace(scenario, run=7)).estimates, many.estimates, strict=True):
+        assert together.figures["total_rmse_deg"][7] == alone.summary.total_rmse_deg
+
+
 @pytest.mark.parametrize("runs", [0, -1, 2.5, True])
 def test_no_runs_are_refused(runs):
     with pytest.raises(ValueError, match="runs must be a whole number, 1 or more"):

@@ -14,7 +14,6 @@ from kreisel.data.recording import ImuRecording
 from kreisel.maths.kernels import LANES, argument, kernel
 from kreisel.maths.random import Stream, stream, words_abreast
 from kreisel.simulate.chain import BLOCK, Felt, read
-from kreisel.simulate.clock import spread
 from kreisel.simulate.context import Context
 from kreisel.simulate.effects import Effect, LaneEffect, PutAbreast
 from kreisel.simulate.imu import Imu
@@ -30,17 +29,16 @@ class Abreast:
     """An IMU that records LANES runs of one motion at once; what these share is made once for all that follow.
 
     ideal : what `imu.ideal(motion)` made. samples : how many are read at a time.
-    Raises ValueError as `record` does.
     """
 
     def __init__(self, imu: Imu, motion: Motion, ideal: ImuRecording, samples: int) -> None:
-        imu._check(motion)
         self._imu, self._motion, self._ideal, self._samples = imu, motion, ideal, samples
 
     @cached_property
     def _channels(self) -> list[_Channel]:
         """Made when they are asked for: of a motion that only one run has nobody does."""
         imu, motion, ideal = self._imu, self._motion, self._ideal
+        imu._check(motion)
         there = [sensor for sensor in SENSORS if getattr(ideal, sensor) is not None]
         return [_Channel.of(imu, sensor, motion, ideal, self._samples) for sensor in there]
 
@@ -49,6 +47,7 @@ class Abreast:
 
         room : (samples, 9, LANES), takes gyro, accel and mag_uT, NaN where there is no sensor; readings are the part
         of it that those of `rows` fill. The stamps are those of the motion unless the clock errs.
+        Raises ValueError as `record` does.
         """
         for k, sensor in enumerate(SENSORS):
             if getattr(self._ideal, sensor) is None:
@@ -111,7 +110,9 @@ class _Channel:
             read(self.acting, self.felt.reading, self.contexts, stream_of, mine)
         if isinstance(self.felt.rows, slice):
             return found
-        return np.stack([spread(mine, self.felt.rows, self.count) for mine in found])
+        out = np.full((LANES, self.count, 3), np.nan)
+        out[:, self.felt.rows] = found
+        return out
 
 
 def _make(acting: Sequence[Effect]) -> Callable[[Array, Context], PutAbreast] | None:

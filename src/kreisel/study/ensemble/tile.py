@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from threading import local
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -19,32 +19,26 @@ from kreisel.study.ensemble.stage import Seen
 from kreisel.study.run import first_attitude
 from kreisel.study.scenario import FilterRecipe, Scenario
 
-# Longest runs that go abreast: sixteen take 0.4 kB a sample of each filter, and as much where effects go one by one.
+# Samples of the longest runs that go abreast: sixteen take 0.4 kB a sample for each filter, and as much for each sensor
+# whose effects go one by one; twice that for one slower than the motion.
 LONGEST = 100_000
-
-Made = TypeVar("Made")
 
 
 class Scratch(local):
     """Memory that lives from tile to tile, of each thread its own: fresh memory costs more than what is done in it."""
 
     def __init__(self) -> None:
-        self._kept: dict[str, Any] = {}
+        self._kept: dict[str, Array] = {}
 
     def __reduce__(self) -> tuple[type[Scratch], tuple[()]]:
         # Memory does not travel to other processes.
         return Scratch, ()
 
-    def keep(self, name: str, like: Hashable, make: Callable[[], Made]) -> Made:
-        """What was made under this name before, where it was made to be `like` this."""
-        if name not in self._kept or self._kept[name][0] != like:
-            self._kept[name] = like, make()
-        found: Made = self._kept[name][1]
-        return found
-
     def array(self, name: str, *shape: int) -> Array:
-        """An array with anything in it."""
-        return self.keep(name, shape, lambda: np.empty(shape))
+        """An array with anything in it: that of this name before, where it has this shape."""
+        if name not in self._kept or self._kept[name].shape != shape:
+            self._kept[name] = np.empty(shape)
+        return self._kept[name]
 
 
 def go_abreast(recipe: FilterRecipe, filter: Any, seen: Seen) -> bool:
@@ -53,7 +47,7 @@ def go_abreast(recipe: FilterRecipe, filter: Any, seen: Seen) -> bool:
     # A clock that errs gives each run stamps of its own.
     imu = seen.imu
     in_time = imu.clock.offset == 0.0 and imu.clock.rate_offset == 0.0 and imu.clock.jitter == 0.0
-    return plain and in_time and len(seen.ideal) <= LONGEST and takes_lanes(filter)
+    return plain and in_time and 2 <= len(seen.ideal) <= LONGEST and takes_lanes(filter)
 
 
 def readings(scratch: Scratch, seen: Seen, runs: Sequence[Scenario]) -> Iterator[tuple[slice, Array]]:
