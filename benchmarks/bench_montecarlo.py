@@ -28,10 +28,11 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel import DcmFilter, ImuRecording, Scenario, attitude_errors, run
+from kreisel.maths.kernels import LANES
 from kreisel.study.building import build
 from kreisel.study.ensemble.draws import Draws
 from kreisel.study.ensemble.tile import Scratch, attitudes, readings
-from kreisel.study.ensemble.work import LANES, Work
+from kreisel.study.ensemble.work import Work
 from kreisel.study.monte_carlo import monte_carlo, prepare
 
 Array = npt.NDArray[np.float64]

@@ -103,15 +103,6 @@ def flags_of(flags: float) -> tuple[bool, bool, bool]:
 
 
 @inlined
-def of_lane(out: Columns, lane: int) -> Columns:
-    """The columns of one of several runs."""
-    R_NS, bias, rest, disturbed, held, heading, sigma = out
-    return Columns(
-        R_NS[lane], bias[lane], rest[lane], disturbed[lane], held[lane], heading[lane], sigma[lane]
-    )
-
-
-@inlined
 def tell(state: Array, out: Columns, i: int) -> None:
     """Put all that a state (at least ANSWER,) says in row i of `out`, but for bias and sigma."""
     rows = load(state, at.R_NS), load(state, at.R_NS + 3), load(state, at.R_NS + 6)

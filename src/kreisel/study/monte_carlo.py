@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from kreisel.data.checks import Array
+from kreisel.maths.kernels import LANES
 from kreisel.study.engine import run_blocks
 from kreisel.study.ensemble.distributions import distributions
 from kreisel.study.ensemble.draws import Draws
@@ -23,7 +24,6 @@ from kreisel.study.scenario import Scenario
 
 # ns a sample of one filter on one IMU, noise and errors included, and s that a block of runs is to take.
 _COST, _BLOCK = 150.0, 0.3
-_TILE = 16
 _FEWEST = 16  # blocks, where there are as many tiles
 
 
@@ -85,8 +85,8 @@ def prepare(scenario: Scenario, runs: int, vary: Mapping[str, Any] | None = None
     first = work.stage(draws, 0)
     per_run = _COST * 1e-9 * len(first.motion) * len(base.imus) * len(base.filters)
     # Few runs in smaller blocks, or the last one would keep a single core busy.
-    tiles = max(1, min(round(_BLOCK / per_run / _TILE), runs // (_TILE * _FEWEST)))
-    return replace(work, size=tiles * _TILE)
+    tiles = max(1, min(round(_BLOCK / per_run / LANES), runs // (LANES * _FEWEST)))
+    return replace(work, size=tiles * LANES)
 
 
 def gather(work: Work, blocks: list[Columns]) -> Ensemble:

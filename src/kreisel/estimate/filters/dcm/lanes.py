@@ -1,4 +1,4 @@
-"""Turns blocks of readings abreast into whether all of them are ordinary, and what is not into steps lane by lane."""
+"""Turns a block of readings abreast into whether every step of it is an ordinary one in every lane."""
 
 from kreisel.estimate.abreast import READING
 from kreisel.estimate.filters.dcm.start import is_rate
