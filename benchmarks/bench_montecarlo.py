@@ -7,9 +7,8 @@ Nine channels of white noise and the published step of the DCM filter, without a
 The loop is what a careful user writes today: noise by NumPy, `run`, `attitude_errors(...).summary()`; "NumPy" is the
 tutorial's step in arrays over runs, sample by sample. All take turns; times are those of this process's processors.
 
-The limit, ns a sample: nine normals 2 to 3.3 each (18 to 30), sixteen lanes of the step about 25 with their readings
-and answers in the cache (44 through memory), errors: 27 products, three angles and the reading of matrices 12, order
-statistics of three angles 24.
+The limit, ns a sample: nine normals 1.8 each (16), sixteen lanes of the step 10 with their readings and answers in the
+cache (44 through memory), errors: 27 products and three angles 11, order statistics of three angles 11.
 """
 
 from __future__ import annotations
