@@ -13,13 +13,13 @@ def test_the_nearest_rotation_is_the_polar_factor(c: float, rng: np.random.Gener
     rows = np.array([x, y, np.cross(x, y)])
     found = np.array(nearest_rotation(tuple(tuple(row) for row in rows.tolist()), float(x @ y)))
     left, _, right = np.linalg.svd(rows)
-    # Below 1e-13 the rows are taken as they are.
-    assert np.abs(found - left @ right).max() < (2e-13 if abs(c) < 1e-13 else 4e-15)
+    # Below 1e-13 the rows are taken as they are; NumPy's factors are off by up to 6e-15 themselves.
+    assert np.abs(found - left @ right).max() < (2e-13 if abs(c) < 1e-13 else 1e-14)
     assert np.abs(found @ found.T - np.eye(3)).max() < (2e-13 if abs(c) < 1e-13 else 4e-15)
 
 
-@pytest.mark.parametrize("e", [0.0, 1e-9, 0.99e-4, -0.99e-4, 1.01e-4, 0.3])
+@pytest.mark.parametrize("e", [0.0, 1e-9, 0.99e-3, -0.99e-3, 1.01e-3, -1.01e-3, 0.3])
 def test_the_inverse_root_is_one_on_both_sides_of_its_switch(e: float) -> None:
     assert inverse_root_near_one(e) == pytest.approx(1.0 / np.sqrt(1.0 + e), rel=4e-16)
-    if abs(e) < 1e-4:
+    if abs(e) < 1e-3:
         assert inverse_root_near_one(e, True) == inverse_root_near_one(e)
