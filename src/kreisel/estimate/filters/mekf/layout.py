@@ -98,12 +98,14 @@ TURN = SUMS + 19  # 3 x 12: what an error of each of the constants turns the att
 SUMMED = TURN + 3 * CONSTANTS  # 4: LENGTH and GYRO_SUM that TURN already holds
 SUMS_END = SUMMED + 4
 
-DUE = SUMS_END  # 1 where a window has closed or a second filter runs
+MEAN_TIME = SUMS_END  # s of MEAN_FORCE, no more than it remembers
+DUE = MEAN_TIME + 1  # 1 where a window has closed or a second filter runs
 # How well a contest between two filters has gone since it began.
 SCORE = DUE + 1  # m^2/s, sum of squared surprises of the velocity times dt
 SCORED = SCORE + 1  # s that it was summed over
 FIELD_SUM = SCORE + 2  # 3: sum of the field in N times dt
-ONE = FIELD_SUM + 3
+FIELD_SUMMED = SCORE + 5  # s that it was summed over
+ONE = FIELD_SUMMED + 1
 
 # ---- Behind the first filter's state that of a second one, and since when that one runs.
 RIVAL = ONE

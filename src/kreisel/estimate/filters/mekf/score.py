@@ -10,6 +10,9 @@ _ORDINARY = 0.25
 # By what share of the other's square a surprise must be smaller.
 _LESS = 0.1
 
+# A mean field at least so long, by the other's, is as long: what noise and a tilt that sways by 3 deg leave.
+_AS_LONG = 0.998
+
 
 @kernel
 def begin_score(state: Array) -> None:
@@ -28,16 +31,23 @@ def keep_score(state: Array) -> None:
     if state[at.MAG_COUNT] > 0.0:
         field = added(load(state, at.FIELD_SUM), dt / state[at.MAG_COUNT], load(state, at.MAG_SUM))
         store(state, at.FIELD_SUM, field)
+        state[at.FIELD_SUMMED] += dt
 
 
 @kernel
 def is_better(rival: Array, state: Array, least: float) -> bool:
     """Whether `rival` foretold by far better than `state` for `least` seconds or longer.
 
-    The field of the world is the same vector at all times; summed in a frame that sways it is shorter.
+    The field of the world is the same vector at all times; in a frame that sways its mean is shorter.
     """
     if min(rival[at.SCORED], state[at.SCORED]) < least:
         return False
     surprise2 = state[at.SCORE] / state[at.SCORED]
     less = rival[at.SCORE] / rival[at.SCORED] < _LESS * surprise2 and surprise2 > _ORDINARY**2
-    return less and norm(load(rival, at.FIELD_SUM)) >= norm(load(state, at.FIELD_SUM))
+    return less and _mean_field(rival) > _AS_LONG * _mean_field(state)
+
+
+@kernel
+def _mean_field(state: Array) -> float:
+    seconds = state[at.FIELD_SUMMED]
+    return norm(load(state, at.FIELD_SUM)) / seconds if seconds > 0.0 else 0.0
