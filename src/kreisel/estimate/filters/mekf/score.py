@@ -10,8 +10,9 @@ _ORDINARY = 0.25
 # By what share of the other's square a surprise must be smaller.
 _LESS = 0.1
 
-# A mean field at least so long, by the other's, is as long: what noise and a tilt that sways by 3 deg leave.
-_AS_LONG = 0.998
+# How many times less again, by this power, where the rival's mean field is shorter: a frame that sways by 6 deg
+# shortens the field by 0.5 percent, and must foretell three times as well.
+_SHORTER = 200.0
 
 
 @kernel
@@ -43,8 +44,10 @@ def is_better(rival: Array, state: Array, least: float) -> bool:
     if min(rival[at.SCORED], state[at.SCORED]) < least:
         return False
     surprise2 = state[at.SCORE] / state[at.SCORED]
-    less = rival[at.SCORE] / rival[at.SCORED] < _LESS * surprise2 and surprise2 > _ORDINARY**2
-    return less and _mean_field(rival) > _AS_LONG * _mean_field(state)
+    seen = _mean_field(state)
+    length = min(_mean_field(rival) / seen, 1.0) if seen > 0.0 else 1.0
+    less = rival[at.SCORE] / rival[at.SCORED] < _LESS * length**_SHORTER * surprise2
+    return less and surprise2 > _ORDINARY**2
 
 
 @kernel
