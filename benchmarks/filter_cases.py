@@ -116,8 +116,9 @@ def quadrotor(rng: np.random.Generator, t: Array) -> tuple[Array, Array]:
 
 
 def eight(rng: np.random.Generator, t: Array) -> tuple[Array, Array]:
-    """A drone's lying eights of 8 to 25 s and up to 2 g, nose along the path: it leans, or its gimbal does not."""
-    s = np.cumsum(smooth((t - rng.uniform(-6.0, 6.0)) / 4.0)) * (t[1] - t[0])
+    """A drone that takes off to lying eights of 8 to 25 s and up to 2 g, nose along the path: it leans, or a gimbal
+    does not."""
+    s = np.cumsum(smooth((t - rng.uniform(1.0, 6.0)) / 4.0)) * (t[1] - t[0])
     angle = 2.0 * np.pi * (s / rng.uniform(8.0, 25.0) + rng.random())
     p = np.stack([np.cos(angle), 0.5 * np.sin(2.0 * angle), 0.05 * np.cos(3.0 * angle)], axis=1)
     a = np.gradient(np.gradient(p, t, axis=0), t, axis=0)

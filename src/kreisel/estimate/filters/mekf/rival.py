@@ -10,6 +10,7 @@ import math
 from kreisel.estimate.filters.dcm.window import turn_world
 from kreisel.estimate.filters.mekf import layout as at
 from kreisel.estimate.filters.mekf.begin import begin
+from kreisel.estimate.filters.mekf.lost import renew
 from kreisel.estimate.filters.mekf.one import step
 from kreisel.estimate.filters.mekf.score import begin_score, is_better
 from kreisel.maths.kernels import kernel
@@ -61,11 +62,14 @@ def _follow(
 
 @kernel
 def _win(state: Array, rival: Array) -> None:
-    """The rival's state is the answer; it knows nothing about what was before."""
+    """The rival's state is the answer, which knows nothing about what was before."""
     turned = _turned(rival, state)
     if rival[at.FIELD_TIME] == 0.0:
         # It has no heading of its own.
         turn_world(rival, (0.0, 0.0, -turned))
+        n = at.ERRORS
+        P = rival[at.COVARIANCE : at.COVARIANCE + n * n].reshape(n, n)
+        renew(P, 2, state[at.COVARIANCE + 2 * (n + 1)])
         turned = 0.0
     rival[at.HEADING] = state[at.HEADING] + turned
     rival[at.WINDOWS] = state[at.WINDOWS]
