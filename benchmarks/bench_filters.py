@@ -2,11 +2,10 @@
 
 Run: .venv/bin/python benchmarks/bench_filters.py [motions] [processes]     (12 and 1; the full count is 200)
 
-Every motion (a hand, sport, a turntable, a limb, a car, a quadrotor) is recorded by three grades of sensors, each
-without
-magnets, among magnets in the room, and with magnets on the body: `filter_cases.py` says how. Errors are root mean
-squares of
-a recording from 5 s on, in degrees; NEES is the mean square of error over sigma, 1 where sigma is honest.
+Every motion (a hand, sport, a turntable, a limb, a car, a quadrotor, a drone's eights) is recorded by three grades of
+sensors, each without magnets, among magnets in the room, and with magnets on the body: `filter_cases.py` says how.
+Errors are root mean squares of a recording from 5 s on, in degrees; NEES is the mean square of error over sigma, 1
+where sigma is honest.
 The full count takes some seven minutes of one core.
 """
 

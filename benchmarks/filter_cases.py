@@ -111,15 +111,33 @@ def quadrotor(rng: np.random.Generator, t: Array) -> tuple[Array, Array]:
     highest = rng.uniform(0.1, 0.3)
     # Of 1 m/s^2 or so, or 2 m where that is less.
     p = grow[:, None] * min(2.0, 0.05 / highest**2) * rng.uniform(0.3, 1.0) * waves(rng, t, 3, 0.02, highest)
+    yaw = grow * rng.uniform(0.2, 2.0) * waves(rng, t, 1, 0.02, 0.2)[:, 0]
+    return p, _leaning(t, p, yaw) @ exp_so3(grow[:, None] * 0.015 * waves(rng, t, 3, 0.5, 3.0))
+
+
+def eight(rng: np.random.Generator, t: Array) -> tuple[Array, Array]:
+    """A drone that takes off to lying eights of 8 to 25 s and up to 2 g, nose along the path: it leans, or a gimbal
+    does not."""
+    s = np.cumsum(smooth((t - rng.uniform(1.0, 6.0)) / 4.0)) * (t[1] - t[0])
+    angle = 2.0 * np.pi * (s / rng.uniform(8.0, 25.0) + rng.random())
+    p = np.stack([np.cos(angle), 0.5 * np.sin(2.0 * angle), 0.05 * np.cos(3.0 * angle)], axis=1)
+    a = np.gradient(np.gradient(p, t, axis=0), t, axis=0)
+    p *= rng.uniform(0.3, 2.0) * G / np.linalg.norm(a, axis=1).max()
+    yaw = np.arctan2(np.cos(2.0 * angle), -np.sin(angle))
+    level = matrix_from_euler(np.stack([0.0 * yaw, 0.0 * yaw, yaw], axis=1))
+    R = _leaning(t, p, yaw) if rng.random() < 0.5 else level
+    return p, R @ exp_so3(0.015 * waves(rng, t, 3, 0.5, 3.0))
+
+
+def _leaning(t: Array, p: Array, yaw: Array) -> Array:
+    """(n, 3, 3) attitudes whose up is the thrust that this path needs, against a drag of 0.3 / s."""
     v = np.gradient(p, t, axis=0)
     up = np.gradient(v, t, axis=0) + 0.3 * v + [0.0, 0.0, G]
     up /= np.linalg.norm(up, axis=1)[:, None]
-    yaw = grow * rng.uniform(0.2, 2.0) * waves(rng, t, 1, 0.02, 0.2)[:, 0]
     level = np.stack([np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)], axis=1)
     y = np.cross(up, level)
     y /= np.linalg.norm(y, axis=1)[:, None]
-    R = np.stack([np.cross(y, up), y, up], axis=2)
-    return p, R @ exp_so3(grow[:, None] * 0.015 * waves(rng, t, 3, 0.5, 3.0))
+    return np.stack([np.cross(y, up), y, up], axis=2)
 
 
 def _stops(rng: np.random.Generator, t: Array) -> Array:
@@ -138,7 +156,7 @@ def _along(yaw: Array, speed: Array, t: Array) -> Array:
     return np.cumsum(v, axis=0) * (t[1] - t[0])
 
 
-MOTIONS = {made.__name__: made for made in (hand, sport, table, limb, car, quadrotor)}
+MOTIONS = {made.__name__: made for made in (hand, sport, table, limb, car, quadrotor, eight)}
 
 # Noise of a preset, then what calibration leaves: gyro scale, misalignment (1), accelerometer bias (m/s^2), gyro bias
 # (rad/s), hard iron and noise of the magnetometer (uT).

@@ -21,10 +21,9 @@ import numpy as np
 from kreisel.data.checks import choice
 from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters.dcm import Mode, nearest_to_given
-from kreisel.estimate.filters.dcm.covariance import GRAVITY
 from kreisel.estimate.filters.mekf import layout as at
 from kreisel.estimate.filters.mekf import smooth, step
-from kreisel.estimate.filters.mekf.repeated import FIRST_SHARE
+from kreisel.estimate.filters.mekf.begin import begin
 from kreisel.maths.vectors import Array
 
 # What first samples leave open, rad: tilt by acceleration, heading by tilt and iron.
@@ -33,8 +32,8 @@ _FIRST_TILT, _FIRST_HEADING = math.radians(20.0), math.radians(60.0)
 # The same for an attitude that was given.
 _GIVEN_TILT, _GIVEN_HEADING = math.radians(2.0), math.radians(5.0)
 
-# m/s: velocity before any was seen, and what of it a body keeps in its own axes; m/s/sqrt(Hz): its noise.
-_FIRST_VELOCITY, _FIRST_TRAVEL, _FIRST_ROAMING = 0.5, 1.0, 0.84
+# m/s: velocity before any was seen, and what of it a body keeps in its own axes.
+_FIRST_VELOCITY, _FIRST_TRAVEL = 0.5, 1.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,29 +99,21 @@ class MekfFilter:
     def start(self, R_NS: Array | None = None) -> Array:
         """A fresh state, whose attitude is R_NS (3, 3) or waits for the first samples."""
         state = np.zeros(at.STATE)
-        state[at.R_NS : at.R_NS + 9] = np.eye(3).ravel()
-        state[at.CALM] = state[at.FLAGS] = at.HELD
+        begin(state, self.parameters())
         if R_NS is not None:
             state[at.R_NS : at.R_NS + 9] = nearest_to_given(R_NS).ravel()
             state[at.CALM] = state[at.FLAGS] = 0.0
             state[at.LEVELLED] = state[at.NORTHED] = 1.0
-        sigmas = self._first_sigmas(R_NS is not None)
-        state[at.COVARIANCE : at.COVARIANCE + at.ERRORS**2] = np.diag(np.square(sigmas)).ravel()
-        state[at.SIGMA : at.SIGMA + 3] = sigmas[:3]
-        state[at.SPREAD] = sigmas[at.D] ** 2
-        state[at.MEAN_FORCE + 2] = GRAVITY
-        state[at.MEAN_SQUARE] = GRAVITY**2
-        state[at.EXCESS] = 1.0
-        state[at.REPEATING : at.REPEATING + 2] = FIRST_SHARE
-        state[at.ROAMING] = state[at.WANDERING] = _FIRST_ROAMING**2
+            for i, sigma in enumerate((_GIVEN_TILT, _GIVEN_TILT, _GIVEN_HEADING)):
+                state[at.COVARIANCE + i * (at.ERRORS + 1)] = sigma**2
+                state[at.SIGMA + i] = sigma
         return state
 
-    def _first_sigmas(self, given: bool) -> list[float]:
-        tilt, heading = (_GIVEN_TILT, _GIVEN_HEADING) if given else (_FIRST_TILT, _FIRST_HEADING)
+    def _first_sigmas(self) -> list[float]:
         moving = [_FIRST_VELOCITY] * 2 + [_FIRST_TRAVEL] * 3
         constants = [self.bias_spread] * 3 + [self.scale_spread] * 9
         return [
-            *[tilt, tilt, heading, *moving, *constants],
+            *[_FIRST_TILT, _FIRST_TILT, _FIRST_HEADING, *moving, *constants],
             *[self.field_spread, *[self.accel_spread] * 3, self.lag_spread, 0.0, 0.0],
         ]
 
@@ -155,6 +146,7 @@ class MekfFilter:
             at.REST_GYRO: self.rest_gyro,
             at.REST_ACCEL: self.rest_accel,
         }
+        own |= {at.FIRST_SIGMA + i: sigma for i, sigma in enumerate(self._first_sigmas())}
         return np.array([own[i] for i in range(len(own))])
 
     def update(self, state: Array, parameters: Array, sample: Array, dt: float) -> None:
@@ -183,5 +175,5 @@ class MekfFilter:
 
 FILTER = MekfFilter
 
-STATE_VERSION = 3
+STATE_VERSION = 4
 """Raised whenever places of the state change their meaning: streams saved before are then refused."""

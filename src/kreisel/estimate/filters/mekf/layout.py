@@ -97,7 +97,20 @@ MAG_COUNT = SUMS + 18
 TURN = SUMS + 19  # 3 x 12: what an error of each of the constants turns the attitude by
 SUMMED = TURN + 3 * CONSTANTS  # 4: LENGTH and GYRO_SUM that TURN already holds
 SUMS_END = SUMMED + 4
-STATE = SUMS_END
+
+MEAN_TIME = SUMS_END  # s of MEAN_FORCE, no more than it remembers
+DUE = MEAN_TIME + 1  # 1 where a window has closed or a second filter runs
+# How well a contest between two filters has gone since it began.
+SCORE = DUE + 1  # m^2/s, sum of squared surprises of the velocity times dt
+SCORED = SCORE + 1  # s that it was summed over
+FIELD_SUM = SCORE + 2  # 3: sum of the field in N times dt
+FIELD_SUMMED = SCORE + 5  # s that it was summed over
+ONE = FIELD_SUMMED + 1
+
+# ---- Behind the first filter's state that of a second one, and since when that one runs.
+RIVAL = ONE
+AGE = 2 * ONE  # s, 0 where there is none
+STATE = 2 * ONE + 1
 
 # ---- Parameters; the first three are those of every step of the DCM filter.
 START_NORTH = 0  # 1 where the first attitude wants a magnetometer sample
@@ -123,4 +136,5 @@ TAIL = 21  # degrees of freedom of the heading's surprises
 REST_GYRO = 22  # rad/s
 REST_ACCEL = 23  # m/s^2
 SPAN_LENGTH = 24  # s
-PARAMETERS = 25
+FIRST_SIGMA = 25  # 27: deviation of every error before any sample
+PARAMETERS = FIRST_SIGMA + ERRORS

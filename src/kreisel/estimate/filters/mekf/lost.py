@@ -10,7 +10,7 @@ from kreisel.estimate.filters.dcm.covariance import GRAVITY
 from kreisel.estimate.filters.dcm.window import turn_world
 from kreisel.estimate.filters.mekf import layout as at
 from kreisel.maths.kernels import kernel
-from kreisel.maths.vectors import Array, Vector, dot, load, scaled, store, unit
+from kreisel.maths.vectors import Array, Vector, dot, load, norm, scaled, store, unit
 
 # s, over which the force is averaged.
 _TIME = 6.0
@@ -22,6 +22,9 @@ _TILTED, _GATE = 0.35, 5.0
 # rad: the same where the force is no more than gravity, so that none made it: 1.4 m/s^2 sideways would add 0.1 m/s^2,
 # three times what an accelerometer's bias may be. The share of it that tells a push.
 _TILTED_AT_G, _PUSHED = 0.14, 0.5
+
+# What comes and goes by so much leaves less than this share of it in the mean.
+_BEYOND = 0.5
 
 # rad: an answer that is known no better than that is none.
 _UNKNOWN = 1.5
@@ -39,19 +42,30 @@ def is_lost(state: Array, P: Array) -> bool:
     tilt2 = 0.5 * (P[0, 0] + P[1, 1])
     seconds = state[at.ACCEL_TIME]
     if seconds > 0.0:
-        k = 1.0 - math.exp(-seconds / _TIME)
+        state[at.MEAN_TIME] = min(state[at.MEAN_TIME] + seconds, _TIME)
+        k = seconds / state[at.MEAN_TIME]
         for i in range(3):
             mean = state[at.FORCE_SUM + i] / seconds
             state[at.MEAN_FORCE + i] += k * (mean - state[at.MEAN_FORCE + i])
         square = state[at.ACCEL_SQUARES] / seconds
         state[at.MEAN_SQUARE] += k * (square - state[at.MEAN_SQUARE])
-    east, north, up = load(state, at.MEAN_FORCE)
-    sideways = math.hypot(east, north)
-    tilted = math.atan2(sideways, up)
+    return tilt2 > _UNKNOWN**2 or (state[at.MEAN_TIME] >= _TIME and _is_tilted(state, tilt2))
+
+
+@kernel
+def _is_tilted(state: Array, tilt2: float) -> bool:
+    """Whether the mean of the force is gravity askew, rather than gravity and what pushes."""
+    mean = load(state, at.MEAN_FORCE)
+    sideways, strength = math.hypot(mean[0], mean[1]), norm(mean)
+    tilted = math.atan2(sideways, mean[2])
     # What pushes sideways adds its square to that of gravity; a tilt does not.
-    is_push = state[at.MEAN_SQUARE] > GRAVITY**2 + _PUSHED * sideways**2
-    least = _TILTED if is_push else _TILTED_AT_G
-    return tilt2 > _UNKNOWN**2 or (tilted > least and tilted > _GATE * math.sqrt(tilt2))
+    may_be_push = state[at.MEAN_SQUARE] > GRAVITY**2 + _PUSHED * sideways**2
+    if not tilted > max(_TILTED if may_be_push else _TILTED_AT_G, _GATE * math.sqrt(tilt2)):
+        return False
+    # Of the two, the one that leaves less of an acceleration upward.
+    is_push = abs(strength - GRAVITY) > abs(mean[2] - GRAVITY)
+    scatter2 = max(state[at.MEAN_SQUARE] - strength**2, 0.0)
+    return not is_push and sideways**2 > _BEYOND**2 * scatter2
 
 
 @kernel
@@ -81,6 +95,7 @@ def begin_again(state: Array, P: Array) -> None:
     state[at.TURNED] = state[at.SPAN] = state[at.CONTRARY] = 0.0
     store(state, at.MEAN_FORCE, (0.0, 0.0, GRAVITY))
     state[at.MEAN_SQUARE] = GRAVITY**2
+    state[at.MEAN_TIME] = 0.0
 
 
 @kernel

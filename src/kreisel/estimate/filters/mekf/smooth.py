@@ -11,7 +11,9 @@ from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters.dcm.window import turn_world
 from kreisel.estimate.filters.mekf import layout as at
 from kreisel.estimate.filters.mekf.backward import AFTER, BEFORE, FOUND, SIGMA, look_back
-from kreisel.estimate.filters.mekf.step import batch, step, tell_all
+from kreisel.estimate.filters.mekf.one import step
+from kreisel.estimate.filters.mekf.rival import attend
+from kreisel.estimate.filters.mekf.step import batch, tell_all
 from kreisel.maths.kernels import kernel
 from kreisel.maths.vectors import Array, added, load, scaled, store
 
@@ -155,7 +157,10 @@ def log_forward(
         g = gyro[k, 0], gyro[k, 1], gyro[k, 2]
         a = accel[k, 0], accel[k, 1], accel[k, 2]
         m = mag[k, 0], mag[k, 1], mag[k, 2]
-        step(state, params, g, a, m, t[k] - t[max(k - 1, 0)])
+        dt = t[k] - t[max(k - 1, 0)]
+        step(state, params, g, a, m, dt)
+        if state[at.DUE] > 0.0:
+            attend(state, params, g, a, m, dt)
         for i in range(answers.shape[1]):
             answers[k - first, i] = state[i]
         if state[at.WINDOWS] != closed:

@@ -7,6 +7,7 @@ a hundredfold in what an acceleration may be, and a filter that knows which one 
 
 import math
 
+from kreisel.estimate.filters.dcm.covariance import GRAVITY
 from kreisel.estimate.filters.mekf import layout as at
 from kreisel.estimate.filters.mekf.covariance import look, row_of_next, take
 from kreisel.maths.kernels import kernel
@@ -20,6 +21,10 @@ _REST_NOISE = 0.02
 
 # s: surprises are averaged over this time, for noise that is faster does not tilt; and judged over that.
 _SLOW, _JUDGED = 2.0, 15.0
+
+# s, for which an acceleration lasts in the turns of a drone or a car: a white one of the density a^2 T makes a velocity
+# that wanders like noise of a T^(3/2).
+_PUSH_TIME = 2.0
 
 # s, for which what is known of the noise before counts.
 _BEFORE = 3.0
@@ -50,10 +55,17 @@ def _noise2(state: Array, params: Array) -> float:
     """Squared noise of the velocity, as the last seconds and, if that is more, the last two show it."""
     now = _SLOW * (state[at.SURPRISE] ** 2 + state[at.SURPRISE + 1] ** 2)
     noise2 = max(state[at.ROAMING], 0.25 * now, params[at.VELOCITY_NOISE] ** 2)
-    noise2 = min(noise2, params[at.VELOCITY_NOISE + 1] ** 2)
+    noise2 = min(noise2, _most2(state, params))
     # About half of the tilt's variance is that of the velocity, and grows with what its noise is in fact.
     state[at.EXCESS] = max(1.0, 0.5 + 0.5 * state[at.WANDERING] / noise2)
     return noise2
+
+
+@kernel
+def _most2(state: Array, params: Array) -> float:
+    """Square of the most that the noise may be: forces that add to the square of gravity are no tilt of it."""
+    pushes2 = state[at.MEAN_SQUARE] - GRAVITY**2
+    return max(params[at.VELOCITY_NOISE + 1] ** 2, _PUSH_TIME**3 * pushes2)
 
 
 @kernel
@@ -72,7 +84,7 @@ def _judge(state: Array, params: Array, seconds: float) -> None:
     now /= 1.0 - math.exp(-2.0 * state[at.JUDGED] / _SLOW)
     k = 1.0 - math.exp(-seconds / min(state[at.JUDGED] + _BEFORE, _JUDGED))
     state[at.WANDERING] += k * (now - state[at.WANDERING])
-    now = min(now, params[at.VELOCITY_NOISE + 1] ** 2)
+    now = min(now, _most2(state, params))
     state[at.ROAMING] += k * (now - state[at.ROAMING])
 
 

@@ -12,6 +12,7 @@ from kreisel.estimate.filters.mekf.field import observe_field
 from kreisel.estimate.filters.mekf.level import level
 from kreisel.estimate.filters.mekf.lost import begin_again, is_lost
 from kreisel.estimate.filters.mekf.rest import watch_rest
+from kreisel.estimate.filters.mekf.score import keep_score
 from kreisel.estimate.filters.mekf.velocity import observe_velocity
 from kreisel.maths.kernels import kernel
 from kreisel.maths.vectors import Array, Vector, dot, load, scaled
@@ -43,9 +44,11 @@ def _close_window(state: Array, params: Array) -> None:
         level(state, params)
     elif state[at.LEVELLED] == 1.0:
         state[at.CALM] = _correct(state, params)
+        keep_score(state)
         turn_world(state, scaled(-1.0, load(state, at.CORRECTION)))
         _look_after(state, params)
     state[at.WINDOWS] += 1.0
+    state[at.DUE] = 1.0
     for i in range(at.SUMS, at.SUMS_END):
         state[i] = 0.0
     state[at.MISSING] = 0.0
