@@ -86,7 +86,7 @@ def test_the_lanes_are_used(
     filter: DcmFilter, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     used = []
-    monkeypatch.setattr(DcmFilter, "batch_of_lanes", lambda self, *given: used.append(given[3].shape[2]))
+    monkeypatch.setattr(DcmFilter, "batch_of_rows", lambda self, *given: used.append(given[3].shape[0]))
     t, gyro, accel, mag = recordings(rng, LANES, 40)
     run_batch(filter, t, gyro, accel, mag, threads=1)
     assert used == [LANES]

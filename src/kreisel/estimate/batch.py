@@ -15,18 +15,9 @@ from kreisel.data.attitude import AttitudeHistory, Mask
 from kreisel.data.checks import increasing, read_only, shaped
 from kreisel.data.environment import STANDARD_GRAVITY
 from kreisel.data.recording import ImuRecording
-from kreisel.estimate.abreast import (
-    READING,
-    SAMPLES,
-    TOLD,
-    gather,
-    scatter,
-    scatter_bias,
-    steps,
-    takes_lanes,
-)
+from kreisel.estimate.abreast import steps, takes_lanes
 from kreisel.estimate.answers import Columns
-from kreisel.estimate.filters import Array, AttitudeFilter, LaneFilter
+from kreisel.estimate.filters import Array, AttitudeFilter
 from kreisel.estimate.run import readings, run
 from kreisel.maths.kernels import LANES
 from kreisel.maths.kinematics import linear_acceleration
@@ -169,28 +160,11 @@ def _fill(
     firsts = [None] * runs if R_NS is None else list(R_NS)
     states, parameters = np.stack([filter.start(first) for first in firsts]), filter.parameters()
     if takes_lanes(filter) and runs == LANES:
-        _abreast(filter, states, parameters, (t, gyro, accel, mag), columns)
+        columns.rest[:], columns.disturbed[:], columns.held[:] = False, False, False
+        filter.batch_of_rows(states, parameters, steps(t), gyro, accel, mag, columns)
         return
     for k in range(runs):
         filter.batch(states[k], parameters, t, gyro[k], accel[k], mag[k], columns.part(k))
-
-
-def _abreast(
-    filter: LaneFilter, states: Array, parameters: Array, inputs: tuple[Array, ...], columns: Columns
-) -> None:
-    """LANES runs, by blocks that stay in the cache."""
-    t, gyro, accel, mag = inputs
-    dt, learns_bias = steps(t), columns.gyro_bias.flags.writeable
-    columns.rest[:], columns.disturbed[:], columns.held[:] = False, False, False
-    readings, answers = np.empty((SAMPLES, READING, LANES)), np.empty((SAMPLES, TOLD, LANES))
-    for first in range(0, len(t), SAMPLES):
-        rows = slice(first, min(first + SAMPLES, len(t)))
-        taken, told = readings[: rows.stop - first], answers[: rows.stop - first]
-        gather(gyro, accel, mag, first, taken)
-        filter.batch_of_lanes(states, parameters, dt[rows], taken, told)
-        scatter(told, first, columns)
-        if learns_bias:
-            scatter_bias(told, first, columns.gyro_bias)
 
 
 def in_threads(work: Callable[..., None], parts: Iterable[object], threads: int | None) -> None:

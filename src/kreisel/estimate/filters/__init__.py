@@ -115,3 +115,16 @@ class LaneFilter(Protocol):
         answers : (n, 9, LANES), takes R_NS row by row, or (n, 13, LANES), takes bias and flags as well.
         """
         ...
+
+    def batch_of_rows(
+        self,
+        states: Array,
+        parameters: Array,
+        dt: Array,
+        gyro: Array,
+        accel: Array,
+        mag: Array,
+        out: Columns,
+    ) -> None:
+        """The same of recordings (lanes, n, 3) that lie one after the other, into columns whose flags are all False."""
+        ...

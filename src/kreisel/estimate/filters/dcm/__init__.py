@@ -227,6 +227,21 @@ class DcmFilter:
             states, parameters, dt, readings, answers
         )
 
+    def batch_of_rows(
+        self,
+        states: Array,
+        parameters: Array,
+        dt: Array,
+        gyro: Array,
+        accel: Array,
+        mag: Array,
+        out: Columns,
+    ) -> None:
+        """The same of recordings (lanes, n, 3) that lie one after the other."""
+        (published_lanes if self.published else step_lanes).batch_of_rows(
+            states, parameters, dt, gyro, accel, mag, out
+        )
+
 
 def nearest_to_given(R_NS: Array) -> Array:
     """The rotation that a first attitude (3, 3) stands for where it is one to six digits only.

@@ -6,7 +6,8 @@ taken lane by lane.
 
 import numpy as np
 
-from kreisel.estimate.abreast import AXES, READING, tell_abreast
+from kreisel.estimate.abreast import AXES, PIECE, READING, TOLD, gather, scatter, tell_abreast
+from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters.dcm import layout as at
 from kreisel.estimate.filters.dcm.lanes import BLOCK, ordinary
 from kreisel.estimate.filters.dcm.published import asked, moved, setting_of, step, waits, weights_of
@@ -26,8 +27,6 @@ def batch_of_lanes(states: Array, params: Array, dt: Array, readings: Array, ans
     wide_vectors()
     axes, flat = np.empty(2 * AXES * LANES), readings.reshape(-1)
     begun = False
-    # What ordinary steps say.
-    answers[:, AXES:] = 0.0
     for k in range(0, dt.shape[0], BLOCK):
         end = min(k + BLOCK, dt.shape[0])
         begun = begun or _begun(states, params)
@@ -38,6 +37,19 @@ def batch_of_lanes(states: Array, params: Array, dt: Array, readings: Array, ans
             _store_axes(axes, block, states)
         else:
             _lane_by_lane(states, params, dt[k:end], readings[k:end], answers[k:end])
+
+
+@kernel
+def batch_of_rows(
+    states: Array, params: Array, dt: Array, gyro: Array, accel: Array, mag: Array, out: Columns
+) -> None:
+    """`batch_of_lanes` of recordings (LANES, n, 3) that lie one after the other, into columns without flags yet."""
+    readings, answers = np.empty((PIECE, READING, LANES)), np.empty((PIECE, TOLD, LANES))
+    for first in range(0, dt.shape[0], PIECE):
+        n = min(PIECE, dt.shape[0] - first)
+        gather(gyro, accel, mag, first, readings[:n])
+        batch_of_lanes(states, params, dt[first : first + n], readings[:n], answers[:n])
+        scatter(answers[:n], first, out)
 
 
 @kernel
@@ -61,6 +73,10 @@ def _advance(s: Array, dt: Array, readings: Array, answers: Array, params: Array
             _move(s, r, q, weights, setting, dt[i], False)
         for j in range(AXES * LANES):
             s[j] = s[AXES * LANES + j]
+        # Ordinary steps raise no flags and know no bias.
+        rest = flat[(i * told + AXES) * LANES : (i + 1) * told * LANES]
+        for j in range(rest.shape[0]):
+            rest[j] = 0.0
 
 
 @inlined

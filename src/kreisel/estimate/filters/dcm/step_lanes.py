@@ -9,7 +9,17 @@ import math
 
 import numpy as np
 
-from kreisel.estimate.abreast import AXES, READING, tell_abreast
+from kreisel.estimate.abreast import (
+    AXES,
+    PIECE,
+    READING,
+    TOLD,
+    gather,
+    scatter,
+    scatter_bias,
+    tell_abreast,
+)
+from kreisel.estimate.answers import Columns
 from kreisel.estimate.filters.dcm import layout as at
 from kreisel.estimate.filters.dcm.lanes import BLOCK, ordinary
 from kreisel.estimate.filters.dcm.step import NO_FORCE, corrected, turned, update
@@ -93,6 +103,20 @@ def batch_of_lanes(states: Array, params: Array, dt: Array, readings: Array, ans
             _lane_by_lane(states, params, dt[k:end], readings[k:end], answers[k:end])
     if loaded:
         _store(s, states)
+
+
+@kernel
+def batch_of_rows(
+    states: Array, params: Array, dt: Array, gyro: Array, accel: Array, mag: Array, out: Columns
+) -> None:
+    """`batch_of_lanes` of recordings (LANES, n, 3) that lie one after the other, into columns without flags yet."""
+    readings, answers = np.empty((PIECE, READING, LANES)), np.empty((PIECE, TOLD, LANES))
+    for first in range(0, dt.shape[0], PIECE):
+        n = min(PIECE, dt.shape[0] - first)
+        gather(gyro, accel, mag, first, readings[:n])
+        batch_of_lanes(states, params, dt[first : first + n], readings[:n], answers[:n])
+        scatter(answers[:n], first, out)
+        scatter_bias(answers[:n], first, out.gyro_bias)
 
 
 @kernel
