@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from kreisel import discovery
+from kreisel.data.checks import whole_number
 from kreisel.maths.random import stream
 from kreisel.study.ensemble.distributions import Distribution
 from kreisel.study.ensemble.paths import Way, put, resolve, written
@@ -79,7 +80,10 @@ class Draws:
         Raises ValueError with path, value and run where a value that was drawn cannot be.
         """
         if not self.inputs:
-            return replace(self.scenario, run=run, vary={})
+            # All but the number was checked already, which takes as long as a thousand samples.
+            made = copy.copy(self._plain)
+            object.__setattr__(made, "run", whole_number("run", run))
+            return made
         drawn = [(input, self.value(input, run)) for input in self.inputs]
         try:
             return self._with(drawn, run)
@@ -123,11 +127,15 @@ class Draws:
         return made if isinstance(own, TrajectoryRecipe) else replace(made, trajectory=own)
 
     @cached_property
+    def _plain(self) -> Scenario:
+        return replace(self.scenario, vary={})
+
+    @cached_property
     def _table(self) -> dict[str, Any]:
         from kreisel.study.document import table_of
         from kreisel.study.scenario import TrajectoryRecipe
 
-        plain = replace(self.scenario, vary={})
+        plain = self._plain
         if isinstance(plain.trajectory, TrajectoryRecipe):
             return table_of(plain)
         # Functions of time have no table: the rest of the scenario has one.
